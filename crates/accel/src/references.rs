@@ -1,0 +1,109 @@
+//! References: the boxes a hierarchy is built over, one for each triangle or piece of a triangle.
+
+use glam::{DVec3, Vec3, Vec3A};
+use obvhs::{Boundable, aabb::Aabb, splits::split_aabbs_preset, triangle::Triangle};
+
+use crate::bounds::Bounds;
+
+/// A triangle, or what of it lies in a box.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reference {
+    pub triangle: u32,
+    /// Padded: conservative in f32.
+    pub bounds: Bounds,
+}
+
+/// Maps the scene into [-1/2, 1/2]³, so that areas neither overflow nor vanish in f32.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Normalisation {
+    centre: DVec3,
+    extent: f64,
+}
+
+/// How far a clipped box may be off, in normalised units: rounding of the vertices (2⁻²⁶) and of
+/// the interpolation along an edge (a few 2⁻²⁵), with a wide margin.
+const CLIP_ERROR: f64 = 1.0 / (1 << 21) as f64;
+
+impl Normalisation {
+    pub fn of(triangles: &[[Vec3; 3]]) -> Self {
+        let bounds = Bounds::of_points(triangles.as_flattened());
+        if bounds.is_empty() {
+            return Self { centre: DVec3::ZERO, extent: 1.0 };
+        }
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let extent = (max - min).max_element();
+        Self { centre: (min + max) * 0.5, extent: if extent > 0.0 { extent } else { 1.0 } }
+    }
+
+    fn point(&self, p: Vec3) -> Vec3A {
+        ((p.as_dvec3() - self.centre) / self.extent).as_vec3().into()
+    }
+
+    pub fn bounds(&self, b: &Bounds) -> Aabb {
+        Aabb::new(self.point(b.min), self.point(b.max))
+    }
+
+    /// The part of `whole` that a clipped box in normalised space stands for, conservatively.
+    fn unclipped(&self, clipped: &Aabb, whole: &Bounds) -> Bounds {
+        let world = |p: Vec3A, error: f64| {
+            (self.centre + (p.as_dvec3() + DVec3::splat(error)) * self.extent).as_vec3()
+        };
+        Bounds {
+            min: world(clipped.min, -CLIP_ERROR).max(whole.min),
+            max: world(clipped.max, CLIP_ERROR).min(whole.max),
+        }
+    }
+}
+
+/// One reference a triangle, more for large ones where they are to be split.
+pub(crate) fn collect(
+    triangles: &[[Vec3; 3]],
+    normalisation: &Normalisation,
+    spatial_splits: bool,
+) -> Vec<Reference> {
+    if spatial_splits && !triangles.is_empty() {
+        return split(triangles, normalisation);
+    }
+    (0u32..)
+        .zip(triangles)
+        .map(|(triangle, vertices)| Reference { triangle, bounds: Bounds::of_points(vertices).padded() })
+        .collect()
+}
+
+fn split(triangles: &[[Vec3; 3]], normalisation: &Normalisation) -> Vec<Reference> {
+    let normalised: Vec<Triangle> = triangles
+        .iter()
+        .map(|&[a, b, c]| Triangle {
+            v0: normalisation.point(a),
+            v1: normalisation.point(b),
+            v2: normalisation.point(c),
+        })
+        .collect();
+    let mut boxes: Vec<Aabb> = normalised.iter().map(Boundable::aabb).collect();
+    let mut owners: Vec<u32> = (0..triangles.len() as u32).collect();
+    let (sum, largest) = boxes.iter().fold((0.0f64, 0.0f32), |(sum, largest), b| {
+        let area = b.half_area();
+        (sum + f64::from(area), largest.max(area))
+    });
+    let average = (sum / boxes.len() as f64) as f32;
+    split_aabbs_preset(&mut boxes, &mut owners, &normalised, average, largest);
+
+    let mut n_pieces = vec![0u32; triangles.len()];
+    for &owner in &owners {
+        n_pieces[owner as usize] += 1;
+    }
+    owners
+        .iter()
+        .zip(&boxes)
+        .map(|(&triangle, clipped)| {
+            let whole = Bounds::of_points(&triangles[triangle as usize]).padded();
+            let bounds = match n_pieces[triangle as usize] {
+                1 => whole,
+                _ => normalisation.unclipped(clipped, &whole),
+            };
+            Reference { triangle, bounds }
+        })
+        // Cutting a box that a thin triangle only touches leaves inverted ones: nothing is there.
+        .filter(|r| !r.bounds.is_empty())
+        .collect()
+}

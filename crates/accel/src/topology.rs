@@ -1,0 +1,233 @@
+//! Which references are near which: `obvhs` where it serves, a balanced tree where it cannot.
+
+use std::collections::HashMap;
+
+use obvhs::{
+    Boundable, BvhBuildParams,
+    aabb::Aabb,
+    bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer},
+    ploc::PlocBuilder,
+};
+
+use crate::{
+    Quality, STACK_SIZE,
+    references::{Normalisation, Reference},
+};
+
+/// Cost of a node visit over that of a triangle test, as `obvhs` weighs them when it collapses
+/// leaves; its own presets' value.
+const COLLAPSE_TRAVERSAL_COST: f32 = 3.0;
+
+/// Fewer references with the same centre than this are not clustered.
+const MIN_CLUSTER_SIZE: u32 = 16;
+
+/// A binary tree over references.
+pub(crate) struct Tree {
+    pub nodes: Vec<TreeNode>,
+    /// Indices of references; leaves are ranges of it.
+    pub order: Vec<u32>,
+    /// None where there are no references.
+    pub root: Option<usize>,
+    pub balanced_fallback: bool,
+    max_leaf_size: usize,
+}
+
+#[derive(Clone, Copy)]
+pub(crate) enum TreeNode {
+    Inner { left: usize, right: usize },
+    Leaf { first: usize, count: usize },
+}
+
+pub(crate) fn build(
+    references: &[Reference],
+    normalisation: &Normalisation,
+    quality: Quality,
+    max_leaf_size: usize,
+) -> Tree {
+    let boxes: Vec<Aabb> = references.iter().map(|r| normalisation.bounds(&r.bounds)).collect();
+    if let Some(tree) = Tree::optimised(&boxes, quality, max_leaf_size) {
+        return tree;
+    }
+    let mut tree = Tree::new(max_leaf_size);
+    tree.balanced_fallback = true;
+    let mut all: Vec<u32> = (0..references.len() as u32).collect();
+    tree.root = Some(tree.balanced(&mut all, &boxes));
+    tree
+}
+
+impl Tree {
+    fn new(max_leaf_size: usize) -> Self {
+        Self { nodes: Vec::new(), order: Vec::new(), root: None, balanced_fallback: false, max_leaf_size }
+    }
+
+    /// By `obvhs`; none where that is too deep for a traversal's stack.
+    fn optimised(boxes: &[Aabb], quality: Quality, max_leaf_size: usize) -> Option<Self> {
+        let mut tree = Self::new(max_leaf_size);
+        if boxes.is_empty() {
+            return Some(tree);
+        }
+        let clusters = Clusters::of(boxes);
+        let bvh = build_obvhs(&clusters.boxes(boxes), quality, max_leaf_size);
+        if depth(bvh.nodes.len(), 0, |i| children(&bvh, i)) >= STACK_SIZE {
+            return None;
+        }
+        tree.convert(&bvh, &clusters, boxes);
+        let root = tree.root?;
+        let inner_levels = depth(tree.nodes.len(), root, |i| match tree.nodes[i] {
+            TreeNode::Inner { left, right } => Some((left, right)),
+            TreeNode::Leaf { .. } => None,
+        });
+        (inner_levels < STACK_SIZE).then_some(tree)
+    }
+
+    /// Takes over a topology, with clusters and leaves too large opened into balanced subtrees.
+    fn convert(&mut self, bvh: &Bvh2, clusters: &Clusters, boxes: &[Aabb]) {
+        // Inner nodes keep their index; leaves become links to what is appended.
+        let placeholder = TreeNode::Leaf { first: 0, count: 0 };
+        self.nodes = vec![placeholder; bvh.nodes.len()];
+        self.order.reserve(boxes.len());
+        for (i, node) in bvh.nodes.iter().enumerate() {
+            if let Some((left, right)) = children(bvh, i) {
+                self.nodes[i] = TreeNode::Inner { left, right };
+                continue;
+            }
+            let first = node.first_index as usize;
+            let slots = first..first + node.prim_count as usize;
+            let mut members: Vec<u32> =
+                bvh.primitive_indices[slots].iter().flat_map(|&c| clusters.members(c)).copied().collect();
+            let subtree = self.balanced(&mut members, boxes);
+            self.nodes[i] = self.nodes[subtree];
+        }
+        self.root = Some(0);
+    }
+
+    /// Appends a tree of least depth, halved at the median of its widest axis; returns its root.
+    fn balanced(&mut self, members: &mut [u32], boxes: &[Aabb]) -> usize {
+        if members.len() <= self.max_leaf_size {
+            let first = self.order.len();
+            self.order.extend_from_slice(members);
+            self.nodes.push(TreeNode::Leaf { first, count: members.len() });
+            return self.nodes.len() - 1;
+        }
+        let centres =
+            Aabb::from_points(&members.iter().map(|&m| boxes[m as usize].center()).collect::<Vec<_>>());
+        let axis = centres.largest_axis();
+        let key = |m: &u32| boxes[*m as usize].center()[axis];
+        let middle = members.len() / 2;
+        members.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then_with(|| a.cmp(b)));
+        let (low, high) = members.split_at_mut(middle);
+        let left = self.balanced(low, boxes);
+        let right = self.balanced(high, boxes);
+        self.nodes.push(TreeNode::Inner { left, right });
+        self.nodes.len() - 1
+    }
+}
+
+fn children(bvh: &Bvh2, i: usize) -> Option<(usize, usize)> {
+    let node = &bvh.nodes[i];
+    (!node.is_leaf()).then_some((node.first_index as usize, node.first_index as usize + 1))
+}
+
+/// Inner nodes on the longest way down. Iterative: what it measures may be thousands deep.
+fn depth(n_nodes: usize, root: usize, children: impl Fn(usize) -> Option<(usize, usize)>) -> usize {
+    let mut deepest = 0;
+    let mut stack = Vec::with_capacity(STACK_SIZE.min(n_nodes));
+    stack.push((root, 0));
+    while let Some((node, above)) = stack.pop() {
+        deepest = deepest.max(above);
+        if let Some((left, right)) = children(node) {
+            stack.push((left, above + 1));
+            stack.push((right, above + 1));
+        }
+    }
+    deepest
+}
+
+fn build_obvhs(boxes: &[Aabb], quality: Quality, max_leaf_size: usize) -> Bvh2 {
+    let preset = match quality {
+        Quality::Fast => BvhBuildParams::fast_build(),
+        Quality::Balanced => BvhBuildParams::medium_build(),
+        Quality::Best => BvhBuildParams::slow_build(),
+    };
+    let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
+        preset.ploc_search_distance,
+        boxes,
+        (0..boxes.len() as u32).collect(),
+        preset.sort_precision,
+        preset.search_depth_threshold,
+    );
+    let ratio = preset.reinsertion_batch_ratio;
+    let mut reinsertion = ReinsertionOptimizer::default();
+    reinsertion.run(&mut bvh, ratio, None);
+    collapse(&mut bvh, max_leaf_size as u32, COLLAPSE_TRAVERSAL_COST);
+    let after = ratio * preset.post_collapse_reinsertion_batch_ratio_multiplier;
+    reinsertion.run(&mut bvh, after, None);
+    bvh
+}
+
+/// Many references with exactly the same centre, taken as one: PLOC pairs a run of equal costs one
+/// merge a pass, which makes ten thousand copies of a triangle quadratic in time and as deep as
+/// they are many. Few are left apart, since PLOC places them better.
+struct Clusters {
+    starts: Vec<usize>,
+    members: Vec<u32>,
+}
+
+impl Clusters {
+    fn of(boxes: &[Aabb]) -> Self {
+        // Adding zero takes -0 to +0.
+        let key = |b: &Aabb| (b.center() + 0.0).to_array().map(f32::to_bits);
+        let mut counts: HashMap<[u32; 3], u32> = HashMap::with_capacity(boxes.len());
+        for b in boxes {
+            *counts.entry(key(b)).or_default() += 1;
+        }
+        let mut ids: HashMap<[u32; 3], usize> = HashMap::new();
+        let mut n_clusters = 0;
+        let mut lists: Vec<usize> = Vec::with_capacity(boxes.len());
+        for b in boxes {
+            let next = n_clusters;
+            let id = match counts[&key(b)] {
+                MIN_CLUSTER_SIZE.. => *ids.entry(key(b)).or_insert(next),
+                _ => next,
+            };
+            n_clusters += usize::from(id == next);
+            lists.push(id);
+        }
+        Self::from_lists(&lists, n_clusters)
+    }
+
+    /// From the cluster of each reference.
+    fn from_lists(lists: &[usize], n_clusters: usize) -> Self {
+        let mut starts = vec![0; n_clusters + 1];
+        for &id in lists {
+            starts[id + 1] += 1;
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let mut next = starts.clone();
+        let mut members = vec![0; lists.len()];
+        for (reference, &id) in (0u32..).zip(lists) {
+            members[next[id]] = reference;
+            next[id] += 1;
+        }
+        Self { starts, members }
+    }
+
+    fn members(&self, cluster: u32) -> &[u32] {
+        let i = cluster as usize;
+        &self.members[self.starts[i]..self.starts[i + 1]]
+    }
+
+    fn boxes(&self, boxes: &[Aabb]) -> Vec<Aabb> {
+        (0..self.starts.len() as u32 - 1)
+            .map(|c| {
+                self.members(c)
+                    .iter()
+                    .map(|&m| boxes[m as usize].aabb())
+                    .reduce(|a, b| a.union(&b))
+                    .unwrap_or(Aabb::INVALID)
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,103 @@
+//! The closest hit on the host: the reference that kernels are tested against, and what answers
+//! the host's own questions (which medium a camera is in).
+
+use glam::{DVec3, Vec3};
+
+use crate::{Bounds, Bvh, Child, STACK_SIZE};
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the direction's length.
+    pub t: f32,
+    /// Index into the triangles given to the build.
+    pub triangle: u32,
+    /// Barycentric coordinate of the second vertex.
+    pub u: f32,
+    /// Barycentric coordinate of the third vertex.
+    pub v: f32,
+}
+
+/// Far distances are scaled by 1 + 2γ(3) (Ize 2013), so that rounding loses no hit.
+const ROBUST_FAR: f32 = 1.0 + 6.0 * f32::EPSILON;
+/// Stands for a zero component of a direction, so that no slab is 0 × ∞.
+const SMALLEST_COMPONENT: f32 = 1e-30;
+
+/// The closest hit with 0 < t < `t_max`, both faces counting; none where there is none, or where
+/// the ray is not finite. Of hits at the same distance the lowest triangle index. `triangles` are
+/// those that the hierarchy was built over.
+///
+/// # Panics
+///
+/// Where `triangles` are fewer than that.
+pub fn closest_hit(bvh: &Bvh, triangles: &[[Vec3; 3]], origin: Vec3, dir: Vec3, t_max: f32) -> Option<Hit> {
+    if !origin.is_finite() || !dir.is_finite() {
+        return None;
+    }
+    let inv_dir =
+        dir.map(|c| if c.abs() < SMALLEST_COMPONENT { SMALLEST_COMPONENT.copysign(c) } else { c }).recip();
+    let mut closest = None;
+    let mut limit = t_max;
+    let mut stack = [0u32; STACK_SIZE];
+    let mut height = 1;
+    while height > 0 {
+        height -= 1;
+        let node = stack[height];
+        for (bounds, child) in bvh.children(node) {
+            if !meets(&bounds, origin, inv_dir, limit) {
+                continue;
+            }
+            match child {
+                // At most one more entry a level than were popped: max_depth < STACK_SIZE.
+                Child::Inner(inner) => {
+                    stack[height] = inner;
+                    height += 1;
+                }
+                Child::Leaf { first, count } => {
+                    for &triangle in &bvh.primitives[first as usize..(first + count) as usize] {
+                        let vertices = &triangles[triangle as usize];
+                        let hit = intersect(vertices, origin, dir, triangle);
+                        closest = nearer(closest, hit, t_max);
+                        limit = closest.map_or(t_max, |h| h.t);
+                    }
+                }
+            }
+        }
+    }
+    closest
+}
+
+fn nearer(old: Option<Hit>, new: Option<Hit>, t_max: f32) -> Option<Hit> {
+    match (old, new) {
+        (_, Some(n)) if n.t >= t_max => old,
+        (Some(o), Some(n)) if (o.t, o.triangle) <= (n.t, n.triangle) => Some(o),
+        (old, new) => new.or(old),
+    }
+}
+
+fn meets(bounds: &Bounds, origin: Vec3, inv_dir: Vec3, limit: f32) -> bool {
+    let a = (bounds.min - origin) * inv_dir;
+    let b = (bounds.max - origin) * inv_dir;
+    let near = a.min(b).max_element().max(0.0);
+    let far = a.max(b).min_element() * ROBUST_FAR;
+    near <= far && near <= limit * ROBUST_FAR
+}
+
+/// Möller and Trumbore (1997), in f64. None where the triangle has no area or is seen edge on.
+fn intersect(vertices: &[Vec3; 3], origin: Vec3, dir: Vec3, triangle: u32) -> Option<Hit> {
+    let [v0, v1, v2] = vertices.map(Vec3::as_dvec3);
+    let d: DVec3 = dir.as_dvec3();
+    let (e1, e2) = (v1 - v0, v2 - v0);
+    let p = d.cross(e2);
+    let det = e1.dot(p);
+    if det == 0.0 {
+        return None;
+    }
+    let s = origin.as_dvec3() - v0;
+    let u = s.dot(p) / det;
+    let q = s.cross(e1);
+    let v = d.dot(q) / det;
+    let t = (e2.dot(q) / det) as f32;
+    let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t.is_finite();
+    inside.then_some(Hit { t, triangle, u: u as f32, v: v as f32 })
+}

@@ -1,0 +1,252 @@
+//! The same inputs, degenerate ones among them, through every preset.
+
+use glam::Vec3;
+use midway_accel::{
+    AccelError, BuildOptions, Bvh, Child, Hit, MAX_LEAF_SIZE, Quality, STACK_SIZE, build, closest_hit,
+};
+
+type Triangles = Vec<[Vec3; 3]>;
+
+/// A small generator, so that the inputs are the same everywhere.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    fn point(&mut self, scale: f32) -> Vec3 {
+        (Vec3::new(self.unit(), self.unit(), self.unit()) - 0.5) * scale
+    }
+}
+
+fn presets() -> Vec<BuildOptions> {
+    let mut all = Vec::new();
+    for quality in [Quality::Fast, Quality::Balanced, Quality::Best] {
+        for spatial_splits in [false, true] {
+            for max_leaf_size in [0, 1, 4, MAX_LEAF_SIZE, 1000] {
+                all.push(BuildOptions { spatial_splits, quality, max_leaf_size });
+            }
+        }
+    }
+    all
+}
+
+fn soup(n: usize, size: f32, scale: f32, seed: u64) -> Triangles {
+    let mut random = Random(seed);
+    (0..n)
+        .map(|_| {
+            let centre = random.point(scale);
+            [(); 3].map(|()| centre + random.point(size))
+        })
+        .collect()
+}
+
+/// Slivers across the whole scene among small triangles: what splitting is for.
+fn slivers() -> Triangles {
+    let mut all = soup(400, 0.02, 1.0, 5);
+    let mut random = Random(9);
+    all.extend((0..50).map(|_| {
+        let (a, b) = (random.point(2.0), random.point(2.0));
+        [a, b, b + random.point(1e-3)]
+    }));
+    all
+}
+
+fn inputs() -> Vec<(&'static str, Triangles)> {
+    let one = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let grid = (0..900).map(|i| {
+        let o = Vec3::new((i % 30) as f32, (i / 30) as f32, 0.0);
+        [o, o + Vec3::X, o + Vec3::Y]
+    });
+    let concentric = (0..2000).map(|i| one.map(|v| (v - 1.0 / 3.0) * (1.0 + i as f32)));
+    vec![
+        ("none", vec![]),
+        ("one", vec![one]),
+        ("two", vec![one, one.map(|v| v + Vec3::Z)]),
+        ("soup", soup(3000, 0.1, 1.0, 1)),
+        ("slivers", slivers()),
+        ("grid", grid.collect()),
+        ("concentric", concentric.collect()),
+        ("coincident", vec![one; 10_000]),
+        ("points", vec![[Vec3::splat(3.0); 3]; 100]),
+        ("zero area", (0..100).map(|i| [Vec3::X * i as f32, Vec3::ZERO, Vec3::X * 2.0]).collect()),
+        ("huge", soup(500, 1e37, 3e38, 2)),
+        ("largest", vec![[Vec3::splat(f32::MAX), Vec3::splat(f32::MIN), Vec3::ZERO]; 3]),
+        ("tiny", soup(500, 1e-39, 1e-38, 3)),
+        ("far away", soup(500, 0.5, 1.0, 4).iter().map(|t| t.map(|v| v + 1e7)).collect()),
+        ("small in large", [soup(500, 1e-3, 1e-2, 6), soup(3, 1e6, 1e6, 7)].concat()),
+    ]
+}
+
+#[test]
+fn every_input_is_valid_with_every_preset() {
+    for (name, triangles) in inputs() {
+        for options in presets() {
+            let bvh = build(&triangles, &options).unwrap();
+            bvh.validate(&triangles).unwrap_or_else(|e| panic!("{name}, {options:?}: {e}"));
+            assert!(bvh.max_depth < STACK_SIZE, "{name}, {options:?}");
+            assert!(bvh.statistics.sah_cost.is_finite(), "{name}, {options:?}");
+            assert!(largest_leaf(&bvh) <= options.max_leaf_size.clamp(1, MAX_LEAF_SIZE));
+            if !options.spatial_splits {
+                assert_eq!(bvh.statistics.duplicated_references, 0, "{name}");
+            }
+        }
+    }
+}
+
+fn largest_leaf(bvh: &Bvh) -> usize {
+    (0..bvh.statistics.inner_nodes as u32)
+        .flat_map(|node| bvh.children(node))
+        .map(|(_, child)| match child {
+            Child::Leaf { count, .. } => count as usize,
+            Child::Inner(_) => 0,
+        })
+        .max()
+        .unwrap_or(0)
+}
+
+#[test]
+fn closest_hit_is_that_of_brute_force() {
+    for (name, triangles) in inputs() {
+        // With one triangle in the hierarchy there is nothing to miss: brute force.
+        let alone: Vec<Bvh> =
+            (triangles.iter().take(500)).map(|t| build(&[*t], &BuildOptions::default()).unwrap()).collect();
+        let triangles = &triangles[..alone.len()];
+        for spatial_splits in [false, true] {
+            let options = BuildOptions { spatial_splits, ..BuildOptions::default() };
+            let bvh = build(triangles, &options).unwrap();
+            let mut random = Random(11);
+            let mut hits = 0;
+            for _ in 0..300 {
+                let (origin, dir) = ray(triangles, &mut random);
+                let found = closest_hit(&bvh, triangles, origin, dir, f32::INFINITY);
+                let expected = brute_force(&alone, triangles, origin, dir);
+                assert_eq!(found, expected, "{name}, from {origin} to {dir}");
+                hits += usize::from(found.is_some());
+            }
+            if ["soup", "grid", "slivers", "far away", "small in large"].contains(&name) {
+                assert!(hits > 100, "{name}: only {hits} of the rays hit anything");
+            }
+        }
+    }
+}
+
+/// From about the scene towards a point of a triangle, edges and vertices among them; a third
+/// along an axis.
+fn ray(triangles: &[[Vec3; 3]], random: &mut Random) -> (Vec3, Vec3) {
+    if triangles.is_empty() {
+        return (Vec3::ZERO, Vec3::Z);
+    }
+    let pick = (random.unit() * triangles.len() as f32) as usize;
+    let [a, b, c] = triangles[pick.min(triangles.len() - 1)];
+    let u = (random.unit() * 1.2 - 0.1).clamp(0.0, 1.0);
+    let v = (random.unit() * 1.2 - 0.1).clamp(0.0, 1.0) * (1.0 - u);
+    let target = a * (1.0 - u - v) + b * u + c * v;
+    let size = (a - b).abs().max_element().max(1e-3);
+    let dir = match (random.unit() * 3.0) as u32 {
+        0 => [Vec3::X, Vec3::Y, Vec3::NEG_Z][(random.unit() * 3.0) as usize % 3],
+        _ => random.point(2.0),
+    };
+    (target - dir * size * 3.0, dir * size)
+}
+
+fn brute_force(alone: &[Bvh], triangles: &[[Vec3; 3]], origin: Vec3, dir: Vec3) -> Option<Hit> {
+    let mut best: Option<Hit> = None;
+    for (i, bvh) in alone.iter().enumerate() {
+        let hit = closest_hit(bvh, &triangles[i..=i], origin, dir, f32::INFINITY);
+        if let Some(hit) = hit.filter(|h| best.is_none_or(|b| h.t < b.t)) {
+            best = Some(Hit { triangle: i as u32, ..hit });
+        }
+    }
+    best
+}
+
+#[test]
+fn t_max_is_a_strict_bound() {
+    let triangles = [[Vec3::ZERO, Vec3::X, Vec3::Y]];
+    let bvh = build(&triangles, &BuildOptions::default()).unwrap();
+    let origin = Vec3::new(0.25, 0.25, 2.0);
+    let hit = |t_max| closest_hit(&bvh, &triangles, origin, Vec3::NEG_Z, t_max);
+    assert_eq!(hit(2.0), None);
+    assert_eq!(hit(2.1).unwrap().t, 2.0);
+    assert_eq!((hit(9.0).unwrap().u, hit(9.0).unwrap().v), (0.25, 0.25));
+    assert_eq!(closest_hit(&bvh, &triangles, origin, Vec3::NAN, 9.0), None);
+}
+
+#[test]
+fn not_finite_vertices_are_an_error() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for options in presets() {
+            let mut triangles = soup(10, 1.0, 1.0, 1);
+            triangles[7][2].y = bad;
+            let error = build(&triangles, &options).unwrap_err();
+            assert!(matches!(error, AccelError::NotFinite { triangle: 7 }), "{error}");
+        }
+    }
+}
+
+#[test]
+fn number_of_threads_does_not_change_the_hierarchy() {
+    let triangles = soup(20_000, 0.05, 1.0, 1);
+    let nodes = |n_threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        let bvh = pool.install(|| build(&triangles, &BuildOptions::default()).unwrap());
+        (bvh.nodes, bvh.primitives)
+    };
+    assert!(nodes(1) == nodes(3));
+}
+
+#[test]
+fn splitting_pays_on_slivers() {
+    let triangles = slivers();
+    let cost = |spatial_splits| {
+        let options = BuildOptions { spatial_splits, ..BuildOptions::default() };
+        let bvh = build(&triangles, &options).unwrap();
+        assert_eq!(bvh.statistics.duplicated_references > 0, spatial_splits);
+        bvh.statistics.sah_cost
+    };
+    let (whole, split) = (cost(false), cost(true));
+    assert!(split <= 0.9 * whole, "{split} against {whole}");
+}
+
+type Damage = (&'static str, fn(&mut Bvh));
+
+/// `validate` has to fail on each kind of damage.
+#[test]
+fn validate_finds_damage() {
+    let triangles = soup(200, 0.1, 1.0, 1);
+    let good = build(&triangles, &BuildOptions::default()).unwrap();
+    let damaged = |damage: fn(&mut Bvh)| {
+        let mut bvh = good.clone();
+        damage(&mut bvh);
+        bvh.validate(&triangles)
+    };
+    damaged(|_| {}).unwrap();
+    let kinds: [Damage; 8] = [
+        ("no nodes", |b| b.nodes.clear()),
+        ("cut short", |b| b.nodes.truncate(b.nodes.len() - 1)),
+        ("box shrunk", |b| b.nodes[1][0] = b.nodes[0][0]),
+        ("child out of range", |b| b.nodes[0][3] = 1 << 20),
+        ("cycle", |b| b.nodes[0][3] = 0),
+        ("slot twice", |b| b.primitives[3] = b.primitives[90]),
+        ("triangle out of range", |b| b.primitives[3] = 1 << 20),
+        ("depth", |b| b.max_depth -= 1),
+    ];
+    for (name, damage) in kinds {
+        assert!(damaged(damage).is_err(), "{name} was not found");
+    }
+}
+
+#[test]
+fn child_references_survive_the_packing() {
+    for child in [
+        Child::Inner(0),
+        Child::Inner(0x7fff_ffff),
+        Child::Leaf { first: 0, count: 0 },
+        Child::Leaf { first: (1 << 27) - 1, count: 15 },
+    ] {
+        assert_eq!(Child::decode(child.encode()), child);
+    }
+}
