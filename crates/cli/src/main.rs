@@ -1,0 +1,2 @@
+//! The program `midway`.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Readers of scene files, one per format, with structured warnings.

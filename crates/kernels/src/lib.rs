@@ -1,0 +1,1 @@
+//! Midway's WGSL kernels, their native translation and their layouts.

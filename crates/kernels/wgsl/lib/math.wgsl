@@ -1,0 +1,85 @@
+// Small maths shared by all kernels. Where the two devices must agree to rounding, functions that
+// WGSL leaves loose (sin, cos, exp: up to 2^-11 off) have their own polynomials here.
+
+const PI: f32 = 3.14159265358979;
+const INV_PI: f32 = 0.318309886183791;
+const PI_OVER_4: f32 = 0.785398163397448;
+const LOG2_E: f32 = 1.44269504088896;
+/// The largest finite f32.
+const F32_MAX: f32 = 3.40282346638529e38;
+/// No triangle, no light, no path, no link.
+const NONE: u32 = 0xffffffffu;
+
+fn max3(v: vec3<f32>) -> f32 {
+    return max(v.x, max(v.y, v.z));
+}
+
+/// Rec. 709 luminance.
+fn luminance(rgb: vec3<f32>) -> f32 {
+    return dot(rgb, vec3<f32>(0.2126, 0.7152, 0.0722));
+}
+
+fn sqr(x: f32) -> f32 {
+    return x * x;
+}
+
+/// Whether x is neither NaN nor infinite; by its bits, which no optimiser assumes away.
+fn is_finite(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+/// sin for |x| <= π/4, error below 4e-7 (Taylor, degree 9).
+fn sin_quarter(x: f32) -> f32 {
+    let s = x * x;
+    return x * (1.0 + s * (-0.166666667 + s * (0.00833333333 + s * (-0.000198412698 + s * 2.75573192e-6))));
+}
+
+/// cos for |x| <= π/4, error below 3e-8 (Taylor, degree 8).
+fn cos_quarter(x: f32) -> f32 {
+    let s = x * x;
+    return 1.0 + s * (-0.5 + s * (0.0416666667 + s * (-0.00138888889 + s * 2.48015873e-5)));
+}
+
+/// exp(x) for x <= 0, relative error below 3e-7; 0 below about -87.
+fn exp_negative(x: f32) -> f32 {
+    let y = max(x * LOG2_E, -127.0);
+    let whole = floor(y);
+    let f = y - whole;
+    // 2^f on [0, 1): Taylor of exp(f ln 2) to degree 7.
+    let p = 1.0 + f * (0.693147181 + f * (0.240226507 + f * (0.0555041087 + f * (0.00961812911
+        + f * (0.00133335581 + f * (0.000154035304 + f * 0.0000152527338))))));
+    let scale = bitcast<f32>(u32(i32(whole) + 127) << 23u);
+    return p * scale;
+}
+
+/// 1 / d with zeros replaced by a huge finite number of the same sign, so that slab tests meet no
+/// 0 * infinity.
+fn safe_inverse(d: vec3<f32>) -> vec3<f32> {
+    let tiny = vec3<f32>(1e-20);
+    let signed_tiny = select(tiny, -tiny, d < vec3<f32>(0.0));
+    return vec3<f32>(1.0) / select(d, signed_tiny, abs(d) < tiny);
+}
+
+/// An orthonormal frame whose third column is the unit vector n (Duff et al. 2017, listing 3).
+fn frame_from_normal(n: vec3<f32>) -> mat3x3<f32> {
+    let s = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (s + n.z); // |s + n.z| >= 1
+    let b = n.x * n.y * a;
+    let x = vec3<f32>(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
+    let y = vec3<f32>(b, s + n.y * n.y * a, -n.y);
+    return mat3x3<f32>(x, y, n);
+}
+
+/// One coordinate of offset_origin.
+fn offset_coordinate(p: f32, n: f32) -> f32 {
+    let steps = i32(256.0 * n);
+    let moved = bitcast<f32>(bitcast<i32>(p) + select(steps, -steps, p < 0.0));
+    return select(moved, p + n * (1.0 / 65536.0), abs(p) < 1.0 / 32.0);
+}
+
+/// Moves a point on a surface off it along n, by an amount that scales with the position
+/// (Wächter and Binder 2019, "A fast and robust method for avoiding self-intersection").
+/// n is the unit geometric normal on the side that the ray leaves to.
+fn offset_origin(p: vec3<f32>, n: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(offset_coordinate(p.x, n.x), offset_coordinate(p.y, n.y), offset_coordinate(p.z, n.z));
+}

@@ -1,0 +1,1 @@
+//! Packing, integrators as lists of passes, sample scheduling.

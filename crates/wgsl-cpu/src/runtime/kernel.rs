@@ -1,0 +1,63 @@
+//! The record of a kernel: its WGSL, its native twin, its bindings.
+
+use super::Storage;
+
+/// How a kernel sees one of its buffers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BindingKind {
+    /// `var<uniform>`.
+    Uniform,
+    /// `var<storage, read>`.
+    StorageRead,
+    /// `var<storage, read_write>`.
+    StorageReadWrite,
+}
+
+/// One buffer of a kernel. All bindings are in group 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Binding {
+    /// The WGSL variable's name; buffers are bound by it.
+    pub name: &'static str,
+    /// The WGSL `@binding`.
+    pub slot: u32,
+    /// Its address space and access.
+    pub kind: BindingKind,
+    /// The least size in bytes the WGSL type asks for (one element of a runtime-sized array).
+    pub min_bytes: u64,
+}
+
+/// A part of a dispatch: the workgroups `first..first + count` in row-major order (x fastest) of
+/// a grid of `grid` workgroups.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Invocations {
+    /// Index of the first workgroup.
+    pub first: u32,
+    /// How many workgroups to run.
+    pub count: u32,
+    /// The whole dispatch's size in workgroups, `num_workgroups` in WGSL.
+    pub grid: [u32; 3],
+}
+
+/// The translated entry point: runs every invocation of the given workgroups. `bindings` are in
+/// the order of [`Kernel::bindings`].
+///
+/// # Safety
+///
+/// Each [`Storage`] must be at least its binding's `min_bytes` long and no memory behind a
+/// read-write binding may be accessed by anything but invocations of the same dispatch meanwhile.
+pub type NativeEntry = unsafe fn(bindings: &[Storage<'_>], invocations: Invocations);
+
+/// One kernel, runnable by any device.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernel {
+    /// The kernel's name, which is its file's and its entry point's.
+    pub name: &'static str,
+    /// The linked WGSL module.
+    pub wgsl: &'static str,
+    /// Its buffers, sorted by slot.
+    pub bindings: &'static [Binding],
+    /// Invocations per workgroup (x only; y and z are 1).
+    pub workgroup_size: u32,
+    /// The same kernel translated to Rust.
+    pub native: NativeEntry,
+}

@@ -1,0 +1,1 @@
+//! Midway's proofs: tests that span several rooms.
