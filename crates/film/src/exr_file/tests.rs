@@ -1,0 +1,144 @@
+//! Round trips, foreign files, hostile files.
+
+use std::{fs, path::Path};
+
+use super::*;
+use crate::{FilmError, Image, Metadata, Value};
+
+fn gradient(width: usize, height: usize) -> Image {
+    Image::from_fn(width, height, |x, y| [x as f32 * 0.01, y as f32 * 1e4, -1e-30])
+}
+
+fn written(image: &Image, framing: Option<Framing>, metadata: &Metadata) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    write_exr(&path, image, framing, metadata).unwrap();
+    fs::read(&path).unwrap()
+}
+
+fn read_bytes(bytes: &[u8]) -> Result<ExrFile, FilmError> {
+    ExrFile::from_bytes(Path::new("a.exr"), bytes)
+}
+
+#[test]
+fn pixels_come_back_bit_for_bit() {
+    let mut image = gradient(37, 21);
+    image.pixels[3] = [f32::INFINITY, f32::MIN_POSITIVE / 2.0, -0.0];
+    let file = read_bytes(&written(&image, None, &Metadata::new())).unwrap();
+    assert_eq!((file.width, file.height, file.framing), (37, 21, None));
+    assert_eq!(file.image().unwrap(), image);
+    assert_eq!(file.layer_names(), [""]);
+}
+
+#[test]
+fn nan_survives() {
+    let mut image = gradient(8, 8);
+    image.pixels[5][2] = f32::NAN;
+    let back = read_bytes(&written(&image, None, &Metadata::new())).unwrap().image().unwrap();
+    assert!(back.pixels[5][2].is_nan());
+}
+
+#[test]
+fn metadata_comes_back() {
+    let matrix = std::array::from_fn(|row| std::array::from_fn(|column| (row * 4 + column) as f32));
+    let mut metadata = Metadata::new();
+    metadata.set("bias", "maximum path length 5 — ausdrücklich");
+    metadata.set("camera", matrix);
+    metadata.set("huge", i64::MAX);
+    metadata.set("samples", 64_i64);
+    metadata.set("seconds", 1.25);
+    metadata.set("seed", u32::MAX);
+    let back = read_bytes(&written(&gradient(4, 4), None, &metadata)).unwrap().metadata;
+    assert_eq!(back.text("bias"), metadata.text("bias"));
+    assert_eq!(back.get("camera"), Some(&Value::Matrix(matrix)));
+    assert_eq!(back.int("huge"), Some(i64::MAX));
+    assert_eq!(back.get("samples"), Some(&Value::Int(64)));
+    assert_eq!(back.float("seconds"), Some(1.25));
+    assert_eq!(back.int("seed"), Some(u32::MAX.into()));
+    assert_eq!(back.entries.len(), 6);
+}
+
+#[test]
+fn a_crop_keeps_its_place() {
+    let framing = Framing { frame: [640, 480], offset: [100, 50] };
+    let file = read_bytes(&written(&gradient(20, 10), Some(framing), &Metadata::new())).unwrap();
+    assert_eq!(file.framing, Some(framing));
+    assert_eq!((file.width, file.height), (20, 10));
+}
+
+#[test]
+fn every_truncation_is_an_error() {
+    let bytes = written(&gradient(40, 40), None, &Metadata::new());
+    for length in (0..bytes.len()).step_by(7).chain([bytes.len() - 1]) {
+        match read_bytes(&bytes[..length]) {
+            Err(FilmError::Malformed { .. }) => {}
+            other => panic!("{length} of {} bytes: {other:?}", bytes.len()),
+        }
+    }
+}
+
+#[test]
+fn damage_never_panics() {
+    let bytes = written(&gradient(24, 24), None, &Metadata::new());
+    for position in 0..bytes.len() {
+        for value in [0, 0x7f, 0xff] {
+            let mut damaged = bytes.clone();
+            damaged[position] = value;
+            // Either outcome is right: a flipped bit in a comment harms nothing.
+            let _ = read_bytes(&damaged);
+        }
+    }
+}
+
+#[test]
+fn a_header_that_claims_terabytes_is_refused() {
+    let mut bytes = written(&gradient(4, 4), None, &Metadata::new());
+    let window = position(&bytes, b"dataWindow\0box2i\0") + 17 + 4;
+    let chunks = position(&bytes, b"chunkCount\0int\0") + 15 + 4;
+    // 60,000 x 60,000 pixels in blocks of 16 lines.
+    bytes[window + 8..window + 16].copy_from_slice(&[59_999_i32.to_le_bytes(); 2].concat());
+    bytes[chunks..chunks + 4].copy_from_slice(&3750_i32.to_le_bytes());
+    let reason = read_bytes(&bytes).unwrap_err().to_string();
+    assert!(reason.contains("cannot hold"), "{reason}");
+    bytes[window + 8..window + 12].copy_from_slice(&99_999_i32.to_le_bytes());
+    let reason = read_bytes(&bytes).unwrap_err().to_string();
+    assert!(reason.contains("along a side"), "{reason}");
+}
+
+fn position(bytes: &[u8], needle: &[u8]) -> usize {
+    bytes.windows(needle.len()).position(|window| window == needle).unwrap()
+}
+
+#[test]
+fn what_is_no_exr_is_named() {
+    let error = read_bytes(b"\x89PNG\r\n").unwrap_err().to_string();
+    assert!(error.contains("a.exr: not a usable EXR file"), "{error}");
+    assert!(matches!(ExrFile::read(Path::new("/nonexistent.exr")), Err(FilmError::Read { .. })));
+}
+
+#[test]
+fn a_wrong_shape_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let image = Image { width: 3, height: 3, pixels: vec![[0.0; 3]; 8] };
+    assert!(matches!(write_exr(&path, &image, None, &Metadata::new()), Err(FilmError::BadShape { .. })));
+    assert!(!path.exists());
+}
+
+#[test]
+fn references_of_another_renderer_are_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/references");
+    let files: Vec<_> = fs::read_dir(&folder).into_iter().flatten().flatten().collect();
+    if files.is_empty() {
+        eprintln!("not run: no reference images at {}", folder.display());
+        return;
+    }
+    for entry in files {
+        let file = ExrFile::read(&entry.path()).unwrap();
+        println!("{} {}x{} {:?}", file.path.display(), file.width, file.height, file.layer_names());
+        let image = file.image().unwrap();
+        assert!(image.mean().iter().all(|mean| *mean > 0.0 && mean.is_finite()));
+        // The larger ones hold the picture alone.
+        assert!(file.width > 256 || file.layer("se").is_some());
+    }
+}
