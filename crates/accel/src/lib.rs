@@ -28,7 +28,7 @@ use glam::Vec3;
 
 use references::Normalisation;
 
-pub use bounds::Bounds;
+pub use midway_scene::Bounds;
 pub use pack::Child;
 pub use traverse::{Hit, closest_hit};
 

@@ -1,10 +1,10 @@
 //! From a tree to the layout kernels read.
 
 use glam::Vec3;
+use midway_scene::Bounds;
 
 use crate::{
     Bvh, LEAF_BIT, Statistics,
-    bounds::Bounds,
     references::Reference,
     topology::{Tree, TreeNode},
 };

@@ -3,7 +3,9 @@
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::{Boundable, aabb::Aabb, splits::split_aabbs_preset, triangle::Triangle};
 
-use crate::bounds::Bounds;
+use midway_scene::Bounds;
+
+use crate::bounds::padded;
 
 /// A triangle, or what of it lies in a box.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +68,7 @@ pub(crate) fn collect(
     }
     (0u32..)
         .zip(triangles)
-        .map(|(triangle, vertices)| Reference { triangle, bounds: Bounds::of_points(vertices).padded() })
+        .map(|(triangle, vertices)| Reference { triangle, bounds: padded(Bounds::of_points(vertices)) })
         .collect()
 }
 
@@ -96,7 +98,7 @@ fn split(triangles: &[[Vec3; 3]], normalisation: &Normalisation) -> Vec<Referenc
         .iter()
         .zip(&boxes)
         .map(|(&triangle, clipped)| {
-            let whole = Bounds::of_points(&triangles[triangle as usize]).padded();
+            let whole = padded(Bounds::of_points(&triangles[triangle as usize]));
             let bounds = match n_pieces[triangle as usize] {
                 1 => whole,
                 _ => normalisation.unclipped(clipped, &whole),

@@ -1,8 +1,9 @@
 //! Checks a hierarchy against its triangles.
 
 use glam::Vec3;
+use midway_scene::Bounds;
 
-use crate::{AccelError, Bvh, Child, MAX_LEAF_SIZE, STACK_SIZE, bounds::Bounds};
+use crate::{AccelError, Bvh, Child, MAX_LEAF_SIZE, STACK_SIZE};
 
 impl Bvh {
     /// Checks that every node and slot is reached exactly once, that every triangle is in a leaf,

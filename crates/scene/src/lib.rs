@@ -3,7 +3,18 @@
 //! Lengths are in the file's unit (glTF: metres), radiance in W·m⁻²·sr⁻¹ as linear Rec. 709 RGB.
 //! Frames are right-handed; transforms read right to left (`world_from_mesh`).
 
+mod bounds;
+mod camera;
+mod error;
+mod flatten;
+mod hash;
+mod validate;
+
 use glam::{Mat4, Vec3};
+
+pub use bounds::Bounds;
+pub use error::SceneError;
+pub use flatten::WorldTriangle;
 
 /// Everything that is rendered. Indices are valid once [`Scene::validate`] has passed.
 #[derive(Clone, Debug, Default)]
@@ -92,4 +103,52 @@ pub enum Surface {
         /// A thin wall: transmits without bending and has no inside.
         thin: bool,
     },
+}
+
+/// How much a scene holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Cameras.
+    pub cameras: usize,
+    /// Meshes, each counted once.
+    pub meshes: usize,
+    /// Placements of meshes.
+    pub instances: usize,
+    /// Triangles in the world: a mesh's, once for each of its instances.
+    pub triangles: usize,
+    /// Those of `triangles` that emit.
+    pub emissive_triangles: usize,
+    /// Materials, used or not.
+    pub materials: usize,
+}
+
+impl Scene {
+    /// How much it holds. Instances of meshes that do not exist count for nothing.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts {
+            cameras: self.cameras.len(),
+            meshes: self.meshes.len(),
+            instances: self.instances.len(),
+            materials: self.materials.len(),
+            ..Counts::default()
+        };
+        for instance in &self.instances {
+            let Some(mesh) = self.meshes.get(instance.mesh as usize) else {
+                continue;
+            };
+            counts.triangles += mesh.triangles.len();
+            let material = self.materials.get(mesh.material as usize);
+            if material.is_some_and(Material::is_emissive) {
+                counts.emissive_triangles += mesh.triangles.len();
+            }
+        }
+        counts
+    }
+}
+
+impl Material {
+    /// Whether it emits anything.
+    pub fn is_emissive(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
 }
