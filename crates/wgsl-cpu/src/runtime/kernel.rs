@@ -1,6 +1,6 @@
 //! The record of a kernel: its WGSL, its native twin, its bindings.
 
-use super::Storage;
+use super::{Storage, Vec3};
 
 /// How a kernel sees one of its buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,6 +36,44 @@ pub struct Invocations {
     pub count: u32,
     /// The whole dispatch's size in workgroups, `num_workgroups` in WGSL.
     pub grid: [u32; 3],
+}
+
+/// WGSL's built-in values of one invocation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Invocation {
+    /// Its place in the whole dispatch.
+    pub global_invocation_id: Vec3<u32>,
+    /// Its place in its workgroup.
+    pub local_invocation_id: Vec3<u32>,
+    /// The same as one number.
+    pub local_invocation_index: u32,
+    /// Its workgroup's place in the grid.
+    pub workgroup_id: Vec3<u32>,
+    /// The grid's size in workgroups.
+    pub num_workgroups: Vec3<u32>,
+}
+
+impl Invocations {
+    /// Calls `run` for each invocation of each workgroup in order, workgroups being
+    /// `workgroup_size` invocations along x.
+    #[inline(always)]
+    pub fn for_each(self, workgroup_size: u32, mut run: impl FnMut(Invocation)) {
+        let [width, height, _] = self.grid.map(|n| n.max(1));
+        let num_workgroups = Vec3::from(self.grid);
+        for group in (self.first..).take(self.count as usize) {
+            let workgroup_id = Vec3::new(group % width, group / width % height, group / width / height);
+            let first = workgroup_id.x * workgroup_size;
+            for local in 0..workgroup_size {
+                run(Invocation {
+                    global_invocation_id: Vec3::new(first + local, workgroup_id.y, workgroup_id.z),
+                    local_invocation_id: Vec3::new(local, 0, 0),
+                    local_invocation_index: local,
+                    workgroup_id,
+                    num_workgroups,
+                });
+            }
+        }
+    }
 }
 
 /// The translated entry point: runs every invocation of the given workgroups. `bindings` are in
