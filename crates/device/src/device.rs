@@ -1,0 +1,108 @@
+//! The interface that every device offers.
+
+use std::time::Duration;
+
+use wgsl_cpu::Kernel;
+
+use crate::{BoundKernel, Buffer, BufferUsage, Command, DeviceError, Pipeline};
+
+/// Whether a device is hardware made for it or a stand-in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceKind {
+    /// This machine's cores, through the translated kernels.
+    Cpu,
+    /// A discrete, integrated or virtual GPU.
+    Gpu,
+    /// A GPU driver that runs on the CPU (lavapipe); used only when named.
+    SoftwareGpu,
+}
+
+/// What `midway devices` prints.
+#[derive(Clone, Debug)]
+pub struct DeviceInfo {
+    /// The name `--device` takes.
+    pub name: String,
+    /// What it is.
+    pub kind: DeviceKind,
+    /// Backend and driver, for people.
+    pub backend: String,
+    /// Memory in bytes where the backend says.
+    pub memory_bytes: Option<u64>,
+    /// The largest single buffer, in bytes.
+    pub max_buffer_bytes: u64,
+    /// The largest storage binding, in bytes; never more than `max_buffer_bytes`.
+    pub max_binding_bytes: u64,
+    /// Storage buffers a kernel may bind.
+    pub max_storage_buffers: u32,
+}
+
+/// How long a run took, and each of its dispatches where the device can tell.
+#[derive(Clone, Debug, Default)]
+pub struct RunTiming {
+    /// From submission to the end, as this process saw it.
+    pub wall: Duration,
+    /// `(kernel name, time on the device)` in order of the dispatches; empty if not measured.
+    pub dispatches: Vec<(&'static str, Duration)>,
+}
+
+impl RunTiming {
+    /// The longest dispatch, by which callers size the next ones; none if not measured.
+    pub fn longest_dispatch(&self) -> Option<(&'static str, Duration)> {
+        self.dispatches.iter().copied().max_by_key(|&(_, time)| time)
+    }
+}
+
+/// Runs kernels. All calls may block; [`Device::run`] returns when the work is finished.
+///
+/// A device may be shared between threads. Runs, reads and writes of one device exclude each other
+/// or are queued in the order of the calls.
+pub trait Device: Send + Sync {
+    /// What it is.
+    fn info(&self) -> &DeviceInfo;
+
+    /// Allocates a zeroed buffer of `bytes`, a positive multiple of 4.
+    ///
+    /// # Errors
+    /// [`DeviceError::OutOfMemory`], [`DeviceError::BufferTooLarge`] or [`DeviceError::BufferSize`].
+    fn create_buffer(&self, label: &str, bytes: u64, usage: BufferUsage) -> Result<Buffer, DeviceError>;
+
+    /// Copies `data` into the buffer at `offset` bytes, before any later [`Device::run`]. Offset
+    /// and length are multiples of 4.
+    ///
+    /// # Errors
+    /// If the range is outside the buffer or the device is lost.
+    fn write_buffer(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError>;
+
+    /// Reads bytes back. Offset and length are multiples of 4.
+    ///
+    /// # Errors
+    /// If the range is outside the buffer or the device is lost.
+    fn read_buffer(&self, buffer: &Buffer, offset: u64, bytes: u64) -> Result<Vec<u8>, DeviceError>;
+
+    /// Makes a kernel ready to run. Kernels may be loaded by several threads at once.
+    ///
+    /// # Errors
+    /// If the kernel exceeds the device's limits or its driver refuses it.
+    fn load_kernel(&self, kernel: &'static Kernel) -> Result<Pipeline, DeviceError>;
+
+    /// Binds buffers, in the order of [`Kernel::bindings`]. The bound kernel keeps them alive.
+    ///
+    /// # Errors
+    /// If their number, usage or size does not fit the kernel's bindings, or one buffer is bound
+    /// twice and one of the two is read-write.
+    fn bind(&self, pipeline: &Pipeline, buffers: &[&Buffer]) -> Result<BoundKernel, DeviceError>;
+
+    /// Runs the commands in order and waits for the end. `timed` asks for [`RunTiming::dispatches`].
+    ///
+    /// Dispatches are not split: on a GPU that also draws a desktop one that lasts longer than the
+    /// driver's watchdog allows loses the device. Callers size them by
+    /// [`RunTiming::longest_dispatch`].
+    ///
+    /// All commands are checked before the first one runs, except the grids of indirect
+    /// dispatches: kernels that write these keep each axis at or below 65535. The CPU device reports
+    /// a larger one; a GPU's behaviour is undefined.
+    ///
+    /// # Errors
+    /// If a command is refused (then none has run) or the device is lost.
+    fn run(&self, commands: &[Command], timed: bool) -> Result<RunTiming, DeviceError>;
+}

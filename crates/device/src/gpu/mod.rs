@@ -1,0 +1,213 @@
+//! A GPU, through wgpu on Vulkan, Metal or DX12.
+
+pub(crate) mod adapter;
+mod cache;
+mod clock;
+mod fault;
+mod pipeline;
+mod run;
+mod staging;
+
+use std::{
+    path::Path,
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+    time::Instant,
+};
+
+use wgsl_cpu::Kernel;
+
+use crate::{
+    BoundKernel, Buffer, BufferUsage, Command, Device, DeviceError, DeviceInfo, Pipeline, RunTiming,
+    check::{self, Check},
+    resource::DeviceId,
+};
+use adapter::Found;
+use cache::PipelineCache;
+use clock::Clock;
+use fault::{Fault, Faults};
+use pipeline::{Bound, Ready};
+use staging::{STAGING_BYTES, Staging};
+
+/// The most commands in one submission.
+const SUBMIT_COMMANDS: usize = 1024;
+
+/// Live bindings a DX12 device makes room for, at a cost in memory for each.
+const MAX_LIVE_BINDINGS: u32 = 16 << 10;
+
+/// A GPU that is open.
+pub struct GpuDevice {
+    id: DeviceId,
+    info: DeviceInfo,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    faults: Faults,
+    cache: Option<PipelineCache>,
+    staging: Mutex<Staging>,
+    /// Made by the first timed run; held while one is under way.
+    clock: OnceLock<Mutex<Clock>>,
+}
+
+impl GpuDevice {
+    /// Opens an adapter with all that it has to give. Compiled pipelines are kept in
+    /// `cache_folder`, or in the platform's folder for caches.
+    pub(crate) fn open(found: Found, cache_folder: Option<&Path>) -> Result<Self, DeviceError> {
+        let Found { info, adapter } = found;
+        let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PIPELINE_CACHE;
+        let limits = adapter.limits();
+        let request = wgpu::DeviceDescriptor {
+            label: Some("midway"),
+            required_features: adapter.features() & wanted,
+            required_limits: wgpu::Limits {
+                max_non_sampler_bindings: limits.max_non_sampler_bindings.min(MAX_LIVE_BINDINGS),
+                ..limits
+            },
+            ..Default::default()
+        };
+        let opened = pollster::block_on(adapter.request_device(&request));
+        let (device, queue) = opened.map_err(|error| DeviceError::OpenFailed {
+            device: info.name.clone(),
+            message: error.to_string(),
+        })?;
+        let faults = Faults::of(&device);
+        let cache = faults.guard(&device, || PipelineCache::open(&device, &adapter.get_info(), cache_folder));
+        Ok(Self {
+            id: DeviceId::unique(),
+            info,
+            device,
+            queue,
+            faults,
+            // Without one the kernels are compiled at each start.
+            cache: cache.ok().flatten(),
+            staging: Mutex::default(),
+            clock: OnceLock::new(),
+        })
+    }
+
+    fn check(&self) -> Check<'_> {
+        Check { id: self.id, info: &self.info }
+    }
+
+    /// Makes calls of wgpu; what they report is about `action`.
+    fn guard<T>(&self, action: &'static str, calls: impl FnOnce() -> T) -> Result<T, DeviceError> {
+        self.faults.guard(&self.device, calls).map_err(|fault| self.error(action, fault))
+    }
+
+    fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), DeviceError> {
+        self.faults.wait(&self.device, submission).map_err(|fault| self.error("wait", fault))
+    }
+
+    fn error(&self, action: &'static str, fault: Fault) -> DeviceError {
+        let device = self.info.name.clone();
+        match fault {
+            Fault::Lost(message) => DeviceError::Lost { device, message },
+            Fault::Refused(message) => DeviceError::Refused { device, action, message },
+            Fault::OutOfMemory => {
+                DeviceError::Refused { device, action, message: "its memory is full".into() }
+            }
+        }
+    }
+
+    fn buffer<'a>(&self, buffer: &'a Buffer) -> Result<&'a wgpu::Buffer, DeviceError> {
+        buffer.inner.downcast_ref().ok_or_else(|| self.foreign("buffer", &buffer.label))
+    }
+
+    fn ready<'a>(&self, pipeline: &'a Pipeline) -> Result<&'a Ready, DeviceError> {
+        pipeline.inner.downcast_ref().ok_or_else(|| self.foreign("pipeline", pipeline.kernel.name))
+    }
+
+    fn bound<'a>(&self, bound: &'a BoundKernel) -> Result<&'a Bound, DeviceError> {
+        bound.inner.downcast_ref().ok_or_else(|| self.foreign("bound kernel", bound.kernel.name))
+    }
+
+    fn foreign(&self, what: &'static str, name: &str) -> DeviceError {
+        DeviceError::Foreign { device: self.info.name.clone(), what, name: name.into() }
+    }
+
+    fn read(&self, source: &wgpu::Buffer, range: (u64, u64), out: &mut Vec<u8>) -> Result<(), DeviceError> {
+        let mut staging = self.staging.lock().unwrap_or_else(PoisonError::into_inner);
+        let context = (&self.device, &self.queue, &self.faults);
+        staging.read(context, source, range, out).map_err(|fault| self.error("read a buffer", fault))
+    }
+}
+
+impl Device for GpuDevice {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn create_buffer(&self, label: &str, bytes: u64, usage: BufferUsage) -> Result<Buffer, DeviceError> {
+        use wgpu::BufferUsages as Usages;
+        let (limit, uses) = match usage {
+            BufferUsage::Storage => (self.info.max_binding_bytes, Usages::STORAGE),
+            BufferUsage::Indirect => (self.info.max_binding_bytes, Usages::STORAGE | Usages::INDIRECT),
+            BufferUsage::Uniform => (self.device.limits().max_uniform_buffer_binding_size, Usages::UNIFORM),
+        };
+        self.check().size(label, bytes, limit)?;
+        let descriptor = wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes,
+            usage: uses | Usages::COPY_SRC | Usages::COPY_DST,
+            mapped_at_creation: false,
+        };
+        let created = self.faults.guard(&self.device, || self.device.create_buffer(&descriptor));
+        let buffer = created.map_err(|fault| match fault {
+            Fault::OutOfMemory => {
+                let device = self.info.name.clone();
+                DeviceError::OutOfMemory { device, label: label.into(), bytes }
+            }
+            fault => self.error("create a buffer", fault),
+        })?;
+        Ok(Buffer { label: label.into(), bytes, usage, device: self.id, inner: Arc::new(buffer) })
+    }
+
+    fn write_buffer(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError> {
+        self.check().range(buffer, offset, data.len() as u64)?;
+        let target = self.buffer(buffer)?;
+        let mut at = offset;
+        for portion in data.chunks(STAGING_BYTES as usize) {
+            let submission = self.guard("write a buffer", || {
+                self.queue.write_buffer(target, at, portion);
+                // A full portion is sent on its way, so that the next one finds its room free.
+                (portion.len() as u64 == STAGING_BYTES).then(|| self.queue.submit([]))
+            })?;
+            if let Some(submission) = submission {
+                self.wait(submission)?;
+            }
+            at += portion.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn read_buffer(&self, buffer: &Buffer, offset: u64, bytes: u64) -> Result<Vec<u8>, DeviceError> {
+        self.check().range(buffer, offset, bytes)?;
+        let mut out = check::host_memory(&buffer.label, bytes)?;
+        self.read(self.buffer(buffer)?, (offset, bytes), &mut out)?;
+        Ok(out)
+    }
+
+    fn load_kernel(&self, kernel: &'static Kernel) -> Result<Pipeline, DeviceError> {
+        self.check().kernel(kernel)?;
+        let ready = Ready::new(self, kernel)?;
+        Ok(Pipeline { kernel, device: self.id, inner: Arc::new(ready) })
+    }
+
+    fn bind(&self, pipeline: &Pipeline, buffers: &[&Buffer]) -> Result<BoundKernel, DeviceError> {
+        self.check().bindings(pipeline, buffers)?;
+        let bound = Bound::new(self, pipeline, buffers)?;
+        let buffers = buffers.iter().map(|&buffer| buffer.clone()).collect();
+        Ok(BoundKernel { kernel: pipeline.kernel, buffers, device: self.id, inner: Arc::new(bound) })
+    }
+
+    fn run(&self, commands: &[Command], timed: bool) -> Result<RunTiming, DeviceError> {
+        commands.iter().try_for_each(|command| self.check().command(command))?;
+        let start = Instant::now();
+        let measurable = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let dispatches = if timed && measurable {
+            self.run_timed(commands)?
+        } else {
+            self.run_untimed(commands)?;
+            Vec::new()
+        };
+        Ok(RunTiming { wall: start.elapsed(), dispatches })
+    }
+}

@@ -1,0 +1,130 @@
+//! Recording lists of commands and running them.
+
+use std::{
+    sync::{Mutex, PoisonError},
+    time::Duration,
+};
+
+use super::{GpuDevice, SUBMIT_COMMANDS, clock::Clock};
+use crate::{Command, DeviceError};
+
+impl GpuDevice {
+    /// Submits all commands, consecutive dispatches in one pass, and waits once.
+    pub(super) fn run_untimed(&self, commands: &[Command]) -> Result<(), DeviceError> {
+        let mut last = None;
+        for commands in commands.chunks(SUBMIT_COMMANDS) {
+            let submission = self.guard("run kernels", || {
+                let mut encoder = self.device.create_command_encoder(&Default::default());
+                for run in commands.chunk_by(|one, next| is_dispatch(one) && is_dispatch(next)) {
+                    self.record(&mut encoder, run, None)?;
+                }
+                Ok(self.queue.submit([encoder.finish()]))
+            })??;
+            last = Some(submission);
+        }
+        self.save_cache();
+        last.map_or(Ok(()), |submission| self.wait(submission))
+    }
+
+    /// Submits the commands, each dispatch in a pass of its own between two timestamps.
+    pub(super) fn run_timed(
+        &self,
+        commands: &[Command],
+    ) -> Result<Vec<(&'static str, Duration)>, DeviceError> {
+        if self.clock.get().is_none() {
+            let clock = self.guard("measure time", || Clock::new(&self.device, &self.queue))?;
+            // Another thread's is as good.
+            let _ = self.clock.set(Mutex::new(clock));
+        }
+        let Some(clock) = self.clock.get() else { return self.run_untimed(commands).map(|()| Vec::new()) };
+        let clock = clock.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut dispatches = Vec::new();
+        for commands in commands.chunks(SUBMIT_COMMANDS) {
+            let names: Vec<&'static str> = commands.iter().filter_map(kernel_name).collect();
+            let (submission, times) = self.guard("run kernels", || {
+                let mut encoder = self.device.create_command_encoder(&Default::default());
+                let mut n_dispatches = 0;
+                for command in commands.chunks(1) {
+                    let writes = is_dispatch(&command[0]).then(|| {
+                        n_dispatches += 1;
+                        clock.writes(n_dispatches - 1)
+                    });
+                    self.record(&mut encoder, command, writes)?;
+                }
+                let times = (n_dispatches > 0).then(|| clock.resolve(&mut encoder, n_dispatches));
+                Ok((self.queue.submit([encoder.finish()]), times))
+            })??;
+            self.save_cache();
+            self.wait(submission)?;
+            if let Some(times) = times {
+                let mut ticks = Vec::new();
+                self.read(times, (0, names.len() as u64 * 16), &mut ticks)?;
+                dispatches.extend(names.into_iter().zip(clock.durations(&ticks)));
+            }
+        }
+        Ok(dispatches)
+    }
+
+    /// Writes the pipeline cache, if it is due, while the device is at work.
+    fn save_cache(&self) {
+        if let Some(cache) = &self.cache {
+            cache.save();
+        }
+    }
+
+    /// Records dispatches as one pass, or one other command.
+    fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        commands: &[Command],
+        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) -> Result<(), DeviceError> {
+        match commands {
+            [Command::Clear(buffer)] => encoder.clear_buffer(self.buffer(buffer)?, 0, None),
+            [Command::Copy { from, from_offset, to, to_offset, bytes }] => {
+                let (from, to) = (self.buffer(from)?, self.buffer(to)?);
+                encoder.copy_buffer_to_buffer(from, *from_offset, to, *to_offset, *bytes);
+            }
+            dispatches => {
+                let descriptor = wgpu::ComputePassDescriptor { label: None, timestamp_writes };
+                let mut pass = encoder.begin_compute_pass(&descriptor);
+                for dispatch in dispatches {
+                    self.record_dispatch(&mut pass, dispatch)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn record_dispatch(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        command: &Command,
+    ) -> Result<(), DeviceError> {
+        let (Command::Dispatch { bound, .. } | Command::DispatchIndirect { bound, .. }) = command else {
+            return Ok(());
+        };
+        let inner = self.bound(bound)?;
+        pass.set_pipeline(&inner.pipeline);
+        pass.set_bind_group(0, &inner.group, &[]);
+        match command {
+            Command::DispatchIndirect { args, offset, .. } => {
+                pass.dispatch_workgroups_indirect(self.buffer(args)?, *offset);
+            }
+            Command::Dispatch { groups: [x, y, z], .. } => pass.dispatch_workgroups(*x, *y, *z),
+            Command::Clear(_) | Command::Copy { .. } => {}
+        }
+        Ok(())
+    }
+}
+
+fn kernel_name(command: &Command) -> Option<&'static str> {
+    match command {
+        Command::Dispatch { bound, .. } | Command::DispatchIndirect { bound, .. } => Some(bound.kernel.name),
+        Command::Clear(_) | Command::Copy { .. } => None,
+    }
+}
+
+fn is_dispatch(command: &Command) -> bool {
+    kernel_name(command).is_some()
+}
