@@ -1,6 +1,6 @@
 //! Choosing a device by the name that a user gave.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{env, path::PathBuf, sync::Arc};
 
 use crate::{
     CpuDevice, Device, DeviceError, DeviceInfo, DeviceKind, GpuDevice,
@@ -49,6 +49,19 @@ pub fn open_device(choice: &str, options: &OpenOptions) -> Result<Arc<dyn Device
         _ => by_name(choice, &names_of(&found), || names(&list(&found)))?,
     };
     Ok(Arc::new(GpuDevice::open(found.swap_remove(index), options.cache_folder.as_deref())?))
+}
+
+/// Keeps Mesa's Vulkan layer from telling the terminal of a desktop that is not there. For a
+/// program's first line; what the user has set stays.
+///
+/// # Safety
+/// No other thread of the process runs yet: the environment is written.
+pub unsafe fn keep_drivers_quiet() {
+    let set = |variable| env::var_os(variable).is_some();
+    if cfg!(target_os = "linux") && !set("XDG_RUNTIME_DIR") && !set("NODEVICE_SELECT") {
+        // SAFETY: this function's contract.
+        unsafe { env::set_var("NODEVICE_SELECT", "1") };
+    }
 }
 
 fn open_cpu(options: &OpenOptions) -> Result<Arc<dyn Device>, DeviceError> {

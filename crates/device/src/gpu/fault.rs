@@ -34,11 +34,9 @@ impl Faults {
     pub(super) fn of(device: &wgpu::Device) -> Self {
         let faults = Self::default();
         let lost = faults.shared.clone();
-        device.set_device_lost_callback(move |reason, message| {
-            // Also called, with this reason, when the program lets go of the device.
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                let _ = lost.lost.set(one_line(&message));
-            }
+        device.set_device_lost_callback(move |_, message| {
+            // The first message stays.
+            let _ = lost.lost.set(one_line(&message));
         });
         let stray = faults.shared.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -69,16 +67,18 @@ impl Faults {
     /// Waits for a submission. wgpu panics here when the device is lost.
     pub(super) fn wait(&self, device: &wgpu::Device, submission: wgpu::SubmissionIndex) -> Result<(), Fault> {
         let poll = wgpu::PollType::Wait { submission_index: Some(submission), timeout: None };
-        let polled = catch_quietly(|| device.poll(poll));
+        let failure = match catch_quietly(|| device.poll(poll)) {
+            Ok(Ok(_)) => return self.still_there(),
+            Ok(Err(error)) => Fault::Refused(one_line(&error.to_string())),
+            Err(panic) => Fault::Lost(one_line(&panic)),
+        };
+        // A submission that a lost device did not take is only told of by a poll that waits for none.
+        let _ = catch_quietly(|| device.poll(wgpu::PollType::Poll));
         self.still_there()?;
-        match polled {
-            Ok(Ok(_)) => Ok(()),
-            Ok(Err(error)) => Err(Fault::Refused(one_line(&error.to_string()))),
-            Err(panic) => {
-                let message = self.shared.lost.get_or_init(|| one_line(&panic));
-                Err(Fault::Lost(message.clone()))
-            }
+        if let Fault::Lost(message) = &failure {
+            let _ = self.shared.lost.set(message.clone());
         }
+        Err(failure)
     }
 
     fn still_there(&self) -> Result<(), Fault> {
@@ -86,10 +86,10 @@ impl Faults {
     }
 }
 
-/// wgpu's messages are trees over several lines.
+/// wgpu's messages are trees over several lines, with frames around excerpts of kernels.
 fn one_line(message: &str) -> String {
-    let lines = message.lines().map(str::trim);
-    let told = lines.filter(|line| !matches!(*line, "" | "Validation Error" | "Caused by:"));
+    let lines = message.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
+    let told = lines.filter(|line| !matches!(line.as_str(), "" | "│" | "Validation Error" | "Caused by:"));
     told.collect::<Vec<_>>().join("; ")
 }
 

@@ -211,3 +211,29 @@ impl Device for GpuDevice {
         Ok(RunTiming { wall: start.elapsed(), dispatches })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{GpuDevice, adapter};
+    use crate::{BufferUsage, Command, Device, DeviceError};
+
+    #[test]
+    fn a_lost_device_is_an_error_and_no_panic() {
+        let Some(found) = adapter::enumerate().into_iter().next() else {
+            println!("did not run: no adapter");
+            return;
+        };
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let gpu = GpuDevice::open(found, Some(folder.path())).expect("a listed device opens");
+        let buffer = gpu.create_buffer("data", 64, BufferUsage::Storage).expect("created");
+        gpu.device.destroy();
+        for _ in 0..2 {
+            let error = gpu.run(&[Command::Clear(buffer.clone())], true).expect_err("lost");
+            assert!(matches!(error, DeviceError::Lost { .. }), "{error}");
+        }
+        let error = gpu.read_buffer(&buffer, 0, 4).expect_err("lost");
+        assert!(matches!(error, DeviceError::Lost { .. }), "{error}");
+        let error = gpu.create_buffer("more", 64, BufferUsage::Storage).expect_err("lost");
+        assert!(matches!(error, DeviceError::Lost { .. }), "{error}");
+    }
+}

@@ -1,10 +1,8 @@
 //! One test body, every device: buffers, dispatches, order, atomics, errors.
 
-mod common;
-
 use midway_device::{BufferUsage, Command, Device, DeviceError};
 
-use common::{ADD_ALL, STEP, WRITE_ARGS, WRITE_INDEX, buffer_of, dispatch, words, zeros};
+use crate::common::{self, ADD_ALL, STEP, WRITE_ARGS, WRITE_INDEX, buffer_of, dispatch, words, zeros};
 
 /// Makes a test of each body on each device.
 macro_rules! on_every_device {
@@ -12,13 +10,13 @@ macro_rules! on_every_device {
         mod on_cpu {$(
             #[test]
             fn $body() {
-                super::$body(&*super::common::cpu());
+                super::$body(&*crate::common::cpu());
             }
         )*}
         mod on_gpu {$(
             #[test]
             fn $body() {
-                if let Some(gpu) = super::common::gpu() {
+                if let Some(gpu) = crate::common::gpu() {
                     super::$body(&*gpu);
                 }
             }

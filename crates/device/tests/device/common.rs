@@ -124,7 +124,7 @@ pub static ADD_ALL: Kernel = Kernel {
 unsafe fn add_all(bindings: &[Storage<'_>], invocations: Invocations) {
     for i in flat(invocations) {
         // SAFETY: the first word, only accessed as an atomic one.
-        unsafe { bindings[0].at(0).atomic::<u32>() }.add(i + 1);
+        unsafe { bindings[0].at(0).atomic::<u32>() }.fetch_add(i + 1);
     }
 }
 
