@@ -1,1 +1,88 @@
 //! Readers of scene files, one per format, with structured warnings.
+//!
+//! A file is not trusted: every offset, count and index is checked against what the file holds,
+//! references stay inside the scene's folder, and nothing is fetched from a network. What the file
+//! says and the scene cannot hold is listed in [`Import::warnings`], each kind of thing once.
+//!
+//! ```no_run
+//! let import = midway_import::load("scenes/cornell-box.gltf".as_ref())?;
+//! for warning in &import.warnings {
+//!     eprintln!("{warning}");
+//! }
+//! println!("{} triangles", import.scene.counts().triangles);
+//! # Ok::<(), midway_import::ImportError>(())
+//! ```
+
+mod error;
+mod files;
+mod geometry;
+mod gltf;
+mod obj;
+mod warning;
+
+use std::path::Path;
+
+use glam::Vec3;
+use midway_scene::{Camera, Material, Scene, Surface};
+
+use warning::Warnings;
+
+pub use error::{ImportError, Place};
+pub use warning::{Warning, WarningKind};
+
+/// The formats read, for messages and help.
+pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb) and Wavefront OBJ (.obj)";
+
+/// A scene as read, and what was left out of it.
+#[derive(Clone, Debug)]
+pub struct Import {
+    /// Valid: [`Scene::validate`] has passed. Has at least one camera, framed on the bounds where
+    /// the file has none.
+    pub scene: Scene,
+    /// What the file says and the scene does not.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads a scene, by the path's extension, or as GLB where the content says so.
+///
+/// # Errors
+///
+/// [`ImportError`], one clear line: what is wrong, where, and what to do.
+pub fn load(path: &Path) -> Result<Import, ImportError> {
+    let mut warnings = Warnings::default();
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let mut scene = match extension.as_deref() {
+        Some("gltf" | "glb") => gltf::load(path, &mut warnings)?,
+        Some("obj") => obj::load(path, &mut warnings)?,
+        _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, &mut warnings)?,
+        _ => return Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
+    };
+    complete(path, &mut scene, &mut warnings)?;
+    Ok(Import { scene, warnings: warnings.into_list() })
+}
+
+/// Adds what every scene needs and checks the result.
+fn complete(path: &Path, scene: &mut Scene, warnings: &mut Warnings) -> Result<(), ImportError> {
+    if scene.counts().triangles == 0 {
+        return Err(ImportError::EmptyScene { path: path.to_owned() });
+    }
+    scene.validate().map_err(|source| ImportError::InvalidScene { path: path.to_owned(), source })?;
+    if scene.cameras.is_empty() {
+        scene.cameras.push(Camera::framing(&scene.bounds(), 1.0));
+        warnings.add(WarningKind::NoCamera, "", "there is no camera: one is placed that sees everything");
+    }
+    if scene.counts().emissive_triangles == 0 {
+        warnings.add(WarningKind::NoLight, "", "nothing emits light: the image will be black");
+    }
+    Ok(())
+}
+
+/// What a surface with no material of its own, or none that can be found, looks like.
+fn default_material() -> Material {
+    Material {
+        name: String::new(),
+        surface: Surface::Diffuse { reflectance: Vec3::splat(0.8) },
+        emission: Vec3::ZERO,
+        double_sided: false,
+    }
+}

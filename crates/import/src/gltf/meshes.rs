@@ -1,0 +1,219 @@
+//! Meshes: one of the scene's for each primitive of the file's.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+use midway_scene::Mesh;
+
+use super::{accessors::Accessors, json::Json, warn_of_extensions};
+use crate::{
+    ImportError,
+    geometry::repair_normals,
+    warning::{WarningKind, Warnings},
+};
+
+/// The document's meshes, read where a node asks for them.
+pub(super) struct Meshes<'a> {
+    definitions: Vec<Json<'a>>,
+    /// The scene's meshes of each of the file's that was read.
+    read: HashMap<usize, Vec<u32>>,
+    list: Vec<Mesh>,
+    accessors: Accessors<'a>,
+    n_materials: usize,
+    default_material: u32,
+}
+
+/// `mode` of a primitive.
+const TRIANGLES: u64 = 4;
+const TRIANGLE_STRIP: u64 = 5;
+const TRIANGLE_FAN: u64 = 6;
+
+impl<'a> Meshes<'a> {
+    pub fn new(
+        root: &Json<'a>,
+        accessors: Accessors<'a>,
+        default_material: u32,
+    ) -> Result<Self, ImportError> {
+        Ok(Self {
+            definitions: root.items("meshes")?,
+            read: HashMap::new(),
+            list: Vec::new(),
+            accessors,
+            n_materials: root.items("materials")?.len(),
+            default_material,
+        })
+    }
+
+    pub fn into_list(self) -> Vec<Mesh> {
+        self.list
+    }
+
+    /// Triangles of one of the scene's meshes.
+    pub fn n_triangles(&self, mesh: u32) -> u64 {
+        self.list[mesh as usize].triangles.len() as u64
+    }
+
+    /// The scene's meshes for the file's mesh that an index refers to.
+    pub fn of(&mut self, index: &Json, warnings: &mut Warnings) -> Result<Vec<u32>, ImportError> {
+        let i = index.index("mesh", self.definitions.len())?;
+        if let Some(known) = self.read.get(&i) {
+            return Ok(known.clone());
+        }
+        let definition = self.definitions[i].clone();
+        warn_of_extensions(&definition, warnings)?;
+        let mut own = Vec::new();
+        for primitive in definition.required("primitives")?.elements()? {
+            if let Some(mesh) = self.primitive(&primitive, definition.name(), warnings)? {
+                own.push(self.list.len() as u32);
+                self.list.push(mesh);
+            }
+        }
+        self.read.insert(i, own.clone());
+        Ok(own)
+    }
+
+    /// None for what is not triangles.
+    fn primitive(
+        &self,
+        primitive: &Json,
+        name: String,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Mesh>, ImportError> {
+        let mode = primitive.unsigned_or("mode", TRIANGLES)?;
+        if !(TRIANGLES..=TRIANGLE_FAN).contains(&mode) {
+            warnings.add(WarningKind::Primitive, primitive.pointer(), "points and lines are not rendered");
+            return Ok(None);
+        }
+        warn_of_extensions(primitive, warnings)?;
+        let attributes = primitive.required("attributes")?;
+        warn_of_attributes(primitive, &attributes, warnings);
+        let Some(position) = attributes.get("POSITION") else {
+            warnings.add(
+                WarningKind::Primitive,
+                primitive.pointer(),
+                "primitives without positions are not rendered",
+            );
+            return Ok(None);
+        };
+        let n_vertices = self.accessors.count(&position)?;
+        let corners = self.corners(primitive, mode, n_vertices)?;
+        if corners.is_empty() {
+            warnings.add(
+                WarningKind::Primitive,
+                primitive.pointer(),
+                "primitives with no triangle are left out",
+            );
+            return Ok(None);
+        }
+        let material = match primitive.get("material") {
+            Some(index) => index.index("material", self.n_materials)? as u32,
+            None => self.default_material,
+        };
+        let vertices = Vertices::choose(corners, n_vertices);
+        let picks = vertices.picks.as_deref();
+        let positions = self.vectors(&position, picks, "vertex position")?;
+        let mut normals = match attributes.get("NORMAL") {
+            Some(normal) => self.normals(&normal, picks, n_vertices)?,
+            None => Vec::new(),
+        };
+        if repair_normals(&positions, &vertices.triangles, &mut normals) > 0 {
+            warnings.add(
+                WarningKind::Repaired,
+                attributes.pointer(),
+                "normals of length 0 are replaced by those of their faces",
+            );
+        }
+        Ok(Some(Mesh { name, positions, normals, triangles: vertices.triangles, material }))
+    }
+
+    /// The vertices of each triangle, checked.
+    fn corners(&self, primitive: &Json, mode: u64, n_vertices: u64) -> Result<Vec<[u32; 3]>, ImportError> {
+        let indices = match primitive.get("indices") {
+            None => {
+                self.accessors.charge(primitive, n_vertices)?;
+                (0..u32::try_from(n_vertices).unwrap_or(u32::MAX)).collect()
+            }
+            Some(index) => {
+                let indices = self.accessors.indices(&index)?;
+                if let Some(&bad) = indices.iter().find(|&&i| u64::from(i) >= n_vertices) {
+                    let (place, index) = (index.place(), i64::from(bad));
+                    return Err(ImportError::OutOfRange { place, what: "vertex", index, len: n_vertices });
+                }
+                indices
+            }
+        };
+        if mode != TRIANGLES {
+            self.accessors.charge(primitive, indices.len() as u64 * 2)?;
+        }
+        Ok(match mode {
+            TRIANGLE_STRIP => indices
+                .windows(3)
+                .enumerate()
+                .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })
+                .collect(),
+            TRIANGLE_FAN => indices.windows(2).skip(1).map(|w| [indices[0], w[0], w[1]]).collect(),
+            _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        })
+    }
+
+    fn vectors(
+        &self,
+        index: &Json,
+        picks: Option<&[u32]>,
+        what: &'static str,
+    ) -> Result<Vec<Vec3>, ImportError> {
+        let vectors: Vec<Vec3> =
+            self.accessors.vec3(index, picks)?.into_iter().map(Vec3::from_array).collect();
+        if let Some(bad) = vectors.iter().position(|v| !v.is_finite()) {
+            let index_of = picks.map_or(bad as u64, |p| u64::from(p[bad]));
+            return Err(ImportError::NotFinite { place: index.place(), what, index: index_of });
+        }
+        Ok(vectors)
+    }
+
+    fn normals(&self, index: &Json, picks: Option<&[u32]>, n: u64) -> Result<Vec<Vec3>, ImportError> {
+        let count = self.accessors.count(index)?;
+        if count != n {
+            return Err(index.malformed(format!("there are {count} normals for {n} vertices")));
+        }
+        self.vectors(index, picks, "normal")
+    }
+}
+
+/// Triangles over those vertices that a primitive uses: files share one long accessor between
+/// many primitives.
+struct Vertices {
+    triangles: Vec<[u32; 3]>,
+    /// Which of the accessor's vertices, or all.
+    picks: Option<Vec<u32>>,
+}
+
+impl Vertices {
+    fn choose(mut triangles: Vec<[u32; 3]>, n_vertices: u64) -> Self {
+        if triangles.len() as u64 * 3 >= n_vertices / 2 {
+            return Self { triangles, picks: None };
+        }
+        let mut picks = Vec::new();
+        let mut renumbered = HashMap::new();
+        for corner in triangles.as_flattened_mut() {
+            let original = *corner;
+            *corner = *renumbered.entry(original).or_insert_with(|| {
+                picks.push(original);
+                picks.len() as u32 - 1
+            });
+        }
+        Self { triangles, picks: Some(picks) }
+    }
+}
+
+/// Attributes that change how a primitive looks and are not read. Texture coordinates and tangents
+/// serve textures, of which the material warns.
+fn warn_of_attributes(primitive: &Json, attributes: &Json, warnings: &mut Warnings) {
+    if attributes.get("COLOR_0").is_some() {
+        warnings.add(WarningKind::VertexColour, attributes.pointer(), "vertex colours are not used");
+    }
+    if primitive.get("targets").is_some() {
+        let message = "morph targets are not used: the mesh is rendered without them";
+        warnings.add(WarningKind::MorphTarget, primitive.pointer(), message);
+    }
+}

@@ -1,0 +1,100 @@
+//! glTF 2.0, as `.gltf` with buffers beside it or as `.glb`.
+//!
+//! The JSON is walked as it is, each value with its pointer, so that every error and warning says
+//! where, and so that a lie about an index or a length is met by a check and not by a reader that
+//! trusts a schema (the `gltf` crate's own validation indexes out of bounds on bad input).
+
+mod accessors;
+mod buffers;
+mod container;
+mod json;
+mod materials;
+mod meshes;
+mod nodes;
+mod unused;
+
+use std::path::Path;
+
+use midway_scene::Scene;
+
+use crate::{
+    ImportError, Place,
+    files::{self, SceneFolder},
+    warning::{WarningKind, Warnings},
+};
+use accessors::Accessors;
+use buffers::Buffers;
+use json::Json;
+use meshes::Meshes;
+
+pub(crate) use container::GLB_MAGIC;
+
+/// Extensions that are read, wholly or as far as warnings say.
+const SUPPORTED_EXTENSIONS: &[&str] = &[
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+];
+
+pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
+    let bytes = files::read_scene(path, false)?;
+    let (text, binary) = container::open(path, &bytes)?;
+    let value = json::parse(path, text)?;
+    let root = Json::root(path, &value);
+    check_version(&root)?;
+    check_required_extensions(&root)?;
+
+    let mut folder = SceneFolder::of(path)?;
+    let buffers = Buffers::load(&root, &mut folder, binary)?;
+    let accessors = Accessors::new(&root, &buffers, bytes.len() as u64)?;
+    let (materials, default_material) = materials::read_all(&root, warnings)?;
+    let mut meshes = Meshes::new(&root, accessors, default_material)?;
+    let placed = nodes::walk(&root, &mut meshes, warnings)?;
+    unused::warn(&root, warnings)?;
+    Ok(Scene { cameras: placed.cameras, meshes: meshes.into_list(), instances: placed.instances, materials })
+}
+
+fn check_version(root: &Json) -> Result<(), ImportError> {
+    let asset = root.required("asset")?;
+    let version = asset.required("version")?;
+    let text = version.string()?;
+    if text.starts_with("2.") {
+        return Ok(());
+    }
+    Err(version.malformed(format!("it is glTF {text:?}, and 2.x is read")))
+}
+
+fn check_required_extensions(root: &Json) -> Result<(), ImportError> {
+    for required in root.items("extensionsRequired")? {
+        let name = required.string()?;
+        if !SUPPORTED_EXTENSIONS.contains(&name) {
+            let (place, extension) = (required.place(), name.to_owned());
+            return Err(ImportError::UnsupportedExtension { place, extension });
+        }
+    }
+    Ok(())
+}
+
+/// Warns of the extensions of an object that are not read.
+fn warn_of_extensions(object: &Json, warnings: &mut Warnings) -> Result<(), ImportError> {
+    if let Some(extensions) = object.get("extensions") {
+        for (name, extension) in extensions.members()? {
+            if !SUPPORTED_EXTENSIONS.contains(&name) {
+                warnings.add(WarningKind::Extension, extension.pointer(), unused_extension(name));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn unused_extension(name: &str) -> String {
+    format!("the extension {name} is not used")
+}
+
+/// Where a whole file is meant.
+fn file_place(path: &Path) -> Place {
+    Place::new(path, "")
+}

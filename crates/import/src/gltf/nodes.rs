@@ -1,0 +1,171 @@
+//! The node tree: what is where.
+
+use glam::{DMat3, DMat4, DQuat, DVec3};
+use midway_scene::{Camera, Instance};
+
+use super::{json::Json, meshes::Meshes, warn_of_extensions};
+use crate::{
+    ImportError,
+    geometry::{MAX_INSTANCES, MAX_TRIANGLES},
+    warning::{WarningKind, Warnings},
+};
+
+/// What the nodes of the scene place.
+#[derive(Default)]
+pub(super) struct Placed {
+    pub cameras: Vec<Camera>,
+    pub instances: Vec<Instance>,
+}
+
+/// Walks the default scene, or the first, or all root nodes where the file has no scene.
+pub(super) fn walk<'a>(
+    root: &Json<'a>,
+    meshes: &mut Meshes<'a>,
+    warnings: &mut Warnings,
+) -> Result<Placed, ImportError> {
+    let nodes = root.items("nodes")?;
+    let mut walk =
+        Walk { cameras: root.items("cameras")?, meshes, warnings, placed: Placed::default(), n_triangles: 0 };
+    let mut visited = vec![false; nodes.len()];
+    let mut stack: Vec<(usize, DMat4)> =
+        roots(root, &nodes)?.into_iter().rev().map(|n| (n, DMat4::IDENTITY)).collect();
+    while let Some((index, world_from_parent)) = stack.pop() {
+        let node = &nodes[index];
+        // Nodes are trees: one reached twice has two parents or is its own ancestor.
+        if std::mem::replace(&mut visited[index], true) {
+            return Err(node.malformed("the node has two parents, or is its own ancestor"));
+        }
+        let world_from_node = world_from_parent * local_matrix(node)?;
+        walk.visit(node, &world_from_node)?;
+        for child in node.items("children")?.into_iter().rev() {
+            stack.push((child.index("node", nodes.len())?, world_from_node));
+        }
+    }
+    Ok(walk.placed)
+}
+
+fn roots(root: &Json, nodes: &[Json]) -> Result<Vec<usize>, ImportError> {
+    let scenes = root.items("scenes")?;
+    let chosen = match root.get("scene") {
+        Some(scene) => Some(&scenes[scene.index("scene", scenes.len())?]),
+        None => scenes.first(),
+    };
+    if let Some(scene) = chosen {
+        return scene.items("nodes")?.iter().map(|n| n.index("node", nodes.len())).collect();
+    }
+    let mut is_child = vec![false; nodes.len()];
+    for node in nodes {
+        for child in node.items("children")? {
+            is_child[child.index("node", nodes.len())?] = true;
+        }
+    }
+    Ok((0..nodes.len()).filter(|&n| !is_child[n]).collect())
+}
+
+/// A node's own transform, by matrix or by translation, rotation and scale.
+fn local_matrix(node: &Json) -> Result<DMat4, ImportError> {
+    if node.get("matrix").is_some() {
+        let columns = node.floats_or("matrix", [0.0; 16])?.map(f64::from);
+        return Ok(DMat4::from_cols_array(&columns));
+    }
+    let vector = |key, default| -> Result<DVec3, ImportError> {
+        Ok(DVec3::from_array(node.floats_or(key, [default; 3])?.map(f64::from)))
+    };
+    let rotation = DQuat::from_array(node.floats_or("rotation", [0.0, 0.0, 0.0, 1.0])?.map(f64::from));
+    let length = rotation.length();
+    let rotation = if length > 0.0 { rotation / length } else { DQuat::IDENTITY };
+    let (scale, translation) = (vector("scale", 1.0)?, vector("translation", 0.0)?);
+    Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+struct Walk<'w, 'a> {
+    cameras: Vec<Json<'a>>,
+    meshes: &'w mut Meshes<'a>,
+    warnings: &'w mut Warnings,
+    placed: Placed,
+    n_triangles: u64,
+}
+
+impl Walk<'_, '_> {
+    fn visit(&mut self, node: &Json, world_from_node: &DMat4) -> Result<(), ImportError> {
+        warn_of_extensions(node, self.warnings)?;
+        if node.get("skin").is_some() {
+            let message = "skins are not used: the mesh is rendered as modelled";
+            self.warnings.add(WarningKind::Skin, node.pointer(), message);
+        }
+        if let Some(camera) = node.get("camera") {
+            let camera = self.cameras[camera.index("camera", self.cameras.len())?].clone();
+            self.camera(&camera, node, world_from_node)?;
+        }
+        if let Some(mesh) = node.get("mesh") {
+            self.mesh(&mesh, node, world_from_node)?;
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, mesh: &Json, node: &Json, world_from_node: &DMat4) -> Result<(), ImportError> {
+        let world_from_mesh = world_from_node.as_mat4();
+        if !world_from_mesh.is_finite() || world_from_mesh.row(3) != glam::Vec4::W {
+            return Err(node.malformed("the node's transform is not finite and affine"));
+        }
+        if DMat3::from_mat4(world_from_mesh.as_dmat4()).determinant() == 0.0 {
+            let message = "meshes scaled to nothing are left out";
+            self.warnings.add(WarningKind::Unused, node.pointer(), message);
+            return Ok(());
+        }
+        let own = self.meshes.of(mesh, self.warnings)?;
+        let too_big = |what: &str, limit| {
+            Err(ImportError::TooBig { place: node.place(), what: what.to_owned(), limit })
+        };
+        if (self.placed.instances.len() + own.len()) as u64 > MAX_INSTANCES {
+            return too_big("the nodes place too many meshes", MAX_INSTANCES);
+        }
+        for mesh in own {
+            self.n_triangles += self.meshes.n_triangles(mesh);
+            if self.n_triangles > MAX_TRIANGLES {
+                return too_big("the nodes place too many triangles", MAX_TRIANGLES);
+            }
+            self.placed.instances.push(Instance { mesh, world_from_mesh });
+        }
+        Ok(())
+    }
+
+    fn camera(&mut self, camera: &Json, node: &Json, world_from_node: &DMat4) -> Result<(), ImportError> {
+        let Some(perspective) = camera.get("perspective") else {
+            let message = "only perspective cameras are rendered: this one is left out";
+            self.warnings.add(WarningKind::Camera, camera.pointer(), message);
+            return Ok(());
+        };
+        let yfov = perspective.required("yfov")?;
+        let radians = yfov.float()?;
+        if !(radians > 0.0 && radians < std::f32::consts::PI) {
+            return Err(yfov.malformed("a field of view between 0 and π is expected here"));
+        }
+        let aspect = perspective.get("aspectRatio").map(|a| a.float()).transpose()?;
+        let Some(rigid) = without_scale(world_from_node) else {
+            let message = "cameras scaled to nothing are left out";
+            self.warnings.add(WarningKind::Camera, node.pointer(), message);
+            return Ok(());
+        };
+        let name = if node.name().is_empty() { camera.name() } else { node.name() };
+        self.placed.cameras.push(Camera {
+            name,
+            world_from_camera: rigid.as_mat4(),
+            yfov: radians,
+            aspect: aspect.filter(|a| *a > 0.0),
+        });
+        Ok(())
+    }
+}
+
+/// The rotation and translation of a transform: its view direction and, as nearly as that allows,
+/// its up direction. None where it has none, or is not finite.
+fn without_scale(m: &DMat4) -> Option<DMat4> {
+    let z = m.z_axis.truncate().try_normalize()?;
+    let y = m.y_axis.truncate();
+    let x = y.cross(z).try_normalize()?;
+    let translation = m.w_axis.truncate();
+    let rigid =
+        DMat4::from_cols(x.extend(0.0), z.cross(x).extend(0.0), z.extend(0.0), translation.extend(1.0));
+    rigid.as_mat4().is_finite().then_some(rigid)
+}

@@ -1,0 +1,105 @@
+//! Every scene file of a large collection loads or is refused, with one clear line and in time.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use midway_import::{ImportError, load};
+
+const SLOWEST: Duration = Duration::from_secs(5);
+
+fn collection(folder: &str) -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes").join(folder);
+    let mut found = Vec::new();
+    let mut folders = vec![root];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| ["gltf", "glb", "obj"].iter().any(|x| e == *x)) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    if found.is_empty() {
+        println!("did not run: there is no {folder} in ../shared/scenes");
+    }
+    found
+}
+
+/// Variant's name, for counting.
+fn kind(error: &ImportError) -> String {
+    let debug = format!("{error:?}");
+    debug.split([' ', '{', '(']).next().unwrap_or_default().to_owned()
+}
+
+#[test]
+fn every_gltf_loads_or_is_refused() {
+    let files = collection("gltf");
+    let mut outcomes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for path in &files {
+        let start = Instant::now();
+        let outcome = load(path);
+        assert!(start.elapsed() <= SLOWEST, "{} took {:?}", path.display(), start.elapsed());
+        let key = match outcome {
+            Ok(import) => {
+                import.scene.validate().unwrap();
+                assert!(!import.scene.cameras.is_empty());
+                assert_eq!(import.scene.hash(), load(path).unwrap().scene.hash());
+                "loaded".to_owned()
+            }
+            Err(error) => {
+                let line = error.to_string();
+                assert!(!line.contains('\n'), "{line}");
+                println!("{line}");
+                kind(&error)
+            }
+        };
+        outcomes.entry(key).or_default().push(path.display().to_string());
+    }
+    for (kind, files) in &outcomes {
+        println!("{kind}: {}", files.len());
+    }
+    let loaded = outcomes.get("loaded").map_or(0, Vec::len);
+    assert!(files.is_empty() || loaded * 2 >= files.len(), "only {loaded} of {} load", files.len());
+}
+
+#[test]
+fn scenes_for_measuring_load_whole() {
+    for folder in ["yardstick", "transport", "sponza"] {
+        for path in collection(folder) {
+            let import = load(&path).unwrap_or_else(|e| panic!("{e}"));
+            println!("{}: {:?}", path.display(), import.scene.counts());
+            for warning in &import.warnings {
+                println!("    {warning}");
+            }
+            if folder == "yardstick" {
+                assert!(import.warnings.is_empty(), "{:?}", import.warnings);
+            }
+        }
+    }
+}
+
+#[test]
+fn cornell_boxes_of_mcguire_load() {
+    for path in collection("cornell-mcguire") {
+        let import = load(&path).unwrap_or_else(|e| panic!("{e}"));
+        println!("{}: {:?}", path.display(), import.scene.counts());
+        for warning in &import.warnings {
+            println!("    {warning}");
+        }
+        let lights = import.scene.world_triangles().filter(|t| {
+            import.scene.materials[t.material as usize].is_emissive()
+        });
+        for light in lights {
+            if let Some(normal) = light.geometric_normal() {
+                println!("    light faces {normal}");
+            }
+        }
+    }
+}
