@@ -92,6 +92,23 @@ pub trait Device: Send + Sync {
     /// twice and one of the two is read-write.
     fn bind(&self, pipeline: &Pipeline, buffers: &[&Buffer]) -> Result<BoundKernel, DeviceError>;
 
+    /// How many lists of commands run best at once, each on a lane of its own: the CPU's threads,
+    /// 1 on a GPU.
+    fn lanes(&self) -> usize {
+        1
+    }
+
+    /// Calls `work(lane)` for each lane, at once where the device can. Within it this device's calls
+    /// run on that lane alone and do not exclude those of other lanes; calls from outside wait.
+    ///
+    /// # Safety
+    ///
+    /// No lane may access plainly, by a command or a call, what another writes in the meantime:
+    /// memory that lanes share is read only, or touched by kernels' atomics alone.
+    unsafe fn for_each_lane(&self, work: &(dyn Fn(usize) + Sync)) {
+        (0..self.lanes()).for_each(work);
+    }
+
     /// Runs the commands in order and waits for the end. `timed` asks for [`RunTiming::dispatches`].
     ///
     /// Dispatches are not split: on a GPU that also draws a desktop one that lasts longer than the

@@ -1,1 +1,31 @@
-//! Packing, integrators as lists of passes, sample scheduling.
+//! Renders a scene on a device: packs it into the kernels' layouts, runs integrators as lists of
+//! passes, schedules samples.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let (scene, device): (midway_scene::Scene, std::sync::Arc<dyn midway_device::Device>) = todo!();
+//! use midway_render::{RenderSettings, Renderer};
+//! let settings = RenderSettings { width: 256, height: 256, ..RenderSettings::default() };
+//! let mut renderer = Renderer::new(device, &scene, &scene.cameras[0], settings)?;
+//! renderer.step(16)?; // at most 16 samples a pixel more
+//! let image = renderer.image()?;
+//! # Ok(()) }
+//! ```
+
+mod batch;
+mod buffers;
+mod error;
+mod lights;
+mod medium;
+mod pack;
+mod params;
+mod pool;
+mod renderer;
+mod settings;
+
+pub use error::RenderError;
+pub use pack::PackedScene;
+pub use renderer::{RenderStats, Renderer};
+pub use settings::{
+    Crop, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy, RenderSettings,
+};

@@ -4,6 +4,7 @@ mod memory;
 mod workers;
 
 use std::{
+    cell::Cell,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
     thread::available_parallelism,
     time::Instant,
@@ -20,6 +21,29 @@ use crate::{
 };
 use memory::{Budget, Memory};
 use workers::Workers;
+
+thread_local! {
+    /// The device one of whose lanes this thread is.
+    static LANE_OF: Cell<Option<DeviceId>> = const { Cell::new(None) };
+}
+
+/// Marks this thread as a lane until it is dropped.
+struct InLane(Option<DeviceId>);
+
+impl InLane {
+    fn of(device: DeviceId) -> Self {
+        Self(LANE_OF.replace(Some(device)))
+    }
+}
+
+impl Drop for InLane {
+    fn drop(&mut self) {
+        LANE_OF.set(self.0);
+    }
+}
+
+/// The right to access buffers: of the whole device, or of a lane while the device is split.
+struct Access<'a>(#[allow(dead_code, reason = "held, not read")] Option<MutexGuard<'a, ()>>);
 
 /// The name `--device` takes.
 const NAME: &str = "cpu";
@@ -69,9 +93,14 @@ impl CpuDevice {
     }
 
     /// Excludes all other accesses to this device's buffers. A kernel that panicked has left them
-    /// in a state that is arbitrary but valid.
-    fn lock(&self) -> MutexGuard<'_, ()> {
-        self.access.lock().unwrap_or_else(PoisonError::into_inner)
+    /// in a state that is arbitrary but valid. On a lane `for_each_lane` holds the lock.
+    fn access(&self) -> Access<'_> {
+        let lock = || self.access.lock().unwrap_or_else(PoisonError::into_inner);
+        Access((!self.on_lane()).then(lock))
+    }
+
+    fn on_lane(&self) -> bool {
+        LANE_OF.get() == Some(self.id)
     }
 
     fn memory<'a>(&self, buffer: &'a Buffer) -> Result<&'a Memory, DeviceError> {
@@ -83,7 +112,7 @@ impl CpuDevice {
     }
 
     /// Runs one command that passed its check, while `access` is held.
-    fn execute(&self, command: &Command, _access: &MutexGuard<'_, ()>) -> Result<(), DeviceError> {
+    fn execute(&self, command: &Command, _access: &Access<'_>) -> Result<(), DeviceError> {
         match command {
             Command::Dispatch { bound, groups } => self.dispatch(bound, *groups),
             Command::DispatchIndirect { bound, args, offset } => {
@@ -125,11 +154,17 @@ impl CpuDevice {
         let native = bound.kernel.native;
         // The grid's check made sure that the product fits.
         let n_groups = grid.iter().product();
-        self.workers.share(n_groups, |first, count| {
+        let run = |first, count| {
             // SAFETY: `bind` found each buffer at least as long as its binding asks for and no
-            // written one bound twice; `access` is held, so that only this dispatch touches them.
+            // written one bound twice; `access` is held, so that only this dispatch touches them,
+            // or other lanes' as the contract of `for_each_lane` allows.
             unsafe { native(&bindings, Invocations { first, count, grid }) }
-        });
+        };
+        if !self.on_lane() {
+            self.workers.share(n_groups, run);
+        } else if n_groups > 0 {
+            run(0, n_groups);
+        }
         Ok(())
     }
 }
@@ -152,7 +187,7 @@ impl Device for CpuDevice {
     fn write_buffer(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError> {
         self.check().range(buffer, offset, data.len() as u64)?;
         let memory = self.memory(buffer)?;
-        let _access = self.lock();
+        let _access = self.access();
         // SAFETY: the range is inside the buffer and nothing else accesses it meanwhile.
         unsafe {
             memory.as_mut_ptr().add(offset as usize).copy_from_nonoverlapping(data.as_ptr(), data.len());
@@ -164,7 +199,7 @@ impl Device for CpuDevice {
         self.check().range(buffer, offset, bytes)?;
         let memory = self.memory(buffer)?;
         let mut out = check::host_memory(&buffer.label, bytes)?;
-        let _access = self.lock();
+        let _access = self.access();
         // SAFETY: the range is inside the buffer and nothing writes it meanwhile.
         out.extend_from_slice(unsafe {
             std::slice::from_raw_parts(memory.as_mut_ptr().add(offset as usize), bytes as usize)
@@ -183,9 +218,21 @@ impl Device for CpuDevice {
         Ok(BoundKernel { kernel: pipeline.kernel, buffers, device: self.id, inner: nothing() })
     }
 
+    fn lanes(&self) -> usize {
+        self.workers.n_threads()
+    }
+
+    unsafe fn for_each_lane(&self, work: &(dyn Fn(usize) + Sync)) {
+        let _access = self.access();
+        self.workers.each(&|lane| {
+            let _lane = InLane::of(self.id);
+            work(lane);
+        });
+    }
+
     fn run(&self, commands: &[Command], timed: bool) -> Result<RunTiming, DeviceError> {
         commands.iter().try_for_each(|command| self.check().command(command))?;
-        let access = self.lock();
+        let access = self.access();
         let start = Instant::now();
         let mut dispatches = Vec::new();
         for command in commands {

@@ -34,6 +34,22 @@ impl Workers {
         Ok(Self { n_threads, pool: pool.transpose()? })
     }
 
+    /// How many threads there are, the caller's included.
+    pub(super) fn n_threads(&self) -> usize {
+        self.n_threads as usize
+    }
+
+    /// Calls `work(index)` once on each thread.
+    pub(super) fn each(&self, work: &(dyn Fn(usize) + Sync)) {
+        let Some(pool) = &self.pool else { return work(0) };
+        pool.in_place_scope(|scope| {
+            for index in 1..self.n_threads() {
+                scope.spawn(move |_| work(index));
+            }
+            work(0);
+        });
+    }
+
     /// Calls `run(first, count)` on portions that together are `0..n_groups`, each once, and
     /// returns when all are done.
     pub(super) fn share(&self, n_groups: u32, run: impl Fn(u32, u32) + Sync) {

@@ -39,6 +39,7 @@ on_every_device! {
     indirect_args_are_checked
     commands_see_what_earlier_ones_wrote
     many_commands_run_in_order
+    lanes_run_lists_of_their_own
     bindings_are_checked
     other_devices_resources_are_refused
     timed_runs_name_their_dispatches
@@ -226,6 +227,25 @@ fn many_commands_run_in_order(device: &dyn Device) {
         assert_eq!(words(device, &data), [expected; 3]);
         assert!(timing.dispatches.len() == n || !timed || timing.dispatches.is_empty());
     }
+}
+
+fn lanes_run_lists_of_their_own(device: &dyn Device) {
+    let n = device.lanes();
+    let lanes: Vec<_> = (0..n).map(|_| zeros(device, "data", 3)).collect();
+    let sum = zeros(device, "sum", 1);
+    let ran = std::sync::atomic::AtomicUsize::new(0);
+    // SAFETY: each lane has a buffer of its own; the sum they share is atomic.
+    unsafe {
+        device.for_each_lane(&|lane| {
+            ran.fetch_add(1 << (8 * lane), std::sync::atomic::Ordering::Relaxed);
+            let commands = vec![dispatch(device, &STEP, &[&lanes[lane]], [1, 1, 1]); lane + 1];
+            device.run(&commands, false).expect("runs");
+            device.run(&[dispatch(device, &ADD_ALL, &[&sum], [4, 1, 1])], false).expect("runs");
+            assert_eq!(words(device, &lanes[lane])[0], (0..=lane).fold(0, |word, _| word * 3 + 1));
+        });
+    }
+    assert_eq!(ran.into_inner(), (0..n).map(|lane| 1 << (8 * lane)).sum::<usize>());
+    assert_eq!(words(device, &sum), [n as u32 * (256 * 257 / 2)]);
 }
 
 fn bindings_are_checked(device: &dyn Device) {

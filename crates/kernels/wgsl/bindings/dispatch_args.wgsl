@@ -1,0 +1,29 @@
+// Grids for indirect dispatch, [x, y, z] each.
+
+@group(0) @binding(11) var<storage, read_write> dispatch_args: array<u32>;
+
+/// Word offsets of the grids.
+const ARGS_QUEUE: u32 = 0u;
+const ARGS_SHADOW: u32 = 3u;
+const ARGS_SPLAT: u32 = 6u;
+const N_ARGS: u32 = 9u;
+
+/// Invocations of a workgroup, in every kernel.
+const WORKGROUP: u32 = 64u;
+
+/// Writes the grid that covers n invocations: rows of GRID_ROW (see invocation_index).
+fn write_grid(at: u32, n: u32) {
+    let row_groups = GRID_ROW / WORKGROUP;
+    let groups = (n + WORKGROUP - 1u) / WORKGROUP;
+    dispatch_args[at] = min(groups, row_groups);
+    dispatch_args[at + 1u] = (groups + row_groups - 1u) / row_groups;
+    dispatch_args[at + 2u] = 1u;
+}
+
+/// Adds to the two-word count of rays.
+fn count_rays(n: u32) {
+    let before = atomicAdd(&counters[COUNT_RAYS_LOW], n);
+    if (before + n < before) {
+        atomicAdd(&counters[COUNT_RAYS_HIGH], 1u);
+    }
+}

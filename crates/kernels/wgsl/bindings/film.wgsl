@@ -1,0 +1,33 @@
+// The film: sums of contributions, six words a pixel (low and high of R, G, B).
+
+const FILM_STRIDE: u32 = 6u;
+
+@group(0) @binding(8) var<storage, read_write> film: array<atomic<u32>>;
+
+fn film_add_channel(word: u32, value: f32) {
+    let fixed = to_fixed(value);
+    let before = atomicAdd(&film[word], fixed.x);
+    let carry = select(0u, 1u, before + fixed.x < before);
+    let high = fixed.y + carry;
+    if (high != 0u) {
+        let high_before = atomicAdd(&film[word + 1u], high);
+        if (high_before + high < high_before) {
+            atomicAdd(&counters[COUNT_OVERFLOW], 1u);
+        }
+    }
+}
+
+/// Adds radiance to a pixel's sum. What is not a finite, non-negative number is counted instead.
+fn film_add(pixel: u32, contribution: vec3<f32>) {
+    let largest = max3(contribution);
+    let smallest = min(contribution.x, min(contribution.y, contribution.z));
+    let finite = is_finite(contribution.x) && is_finite(contribution.y) && is_finite(contribution.z);
+    if (!finite || smallest < 0.0 || largest > FIXED_MAX) {
+        atomicAdd(&counters[COUNT_REJECTED], 1u);
+        return;
+    }
+    let scale = select(1.0, params.clamp / largest, largest > params.clamp);
+    film_add_channel(pixel * FILM_STRIDE, contribution.x * scale);
+    film_add_channel(pixel * FILM_STRIDE + 2u, contribution.y * scale);
+    film_add_channel(pixel * FILM_STRIDE + 4u, contribution.z * scale);
+}

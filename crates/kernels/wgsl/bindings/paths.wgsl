@@ -1,0 +1,67 @@
+// The state of the subpaths under way, one slot each; camera and light subpaths use the same slots
+// in turn.
+
+/// vec4 per path.
+const PATH_STRIDE: u32 = 5u;
+
+@group(0) @binding(4) var<storage, read_write> paths: array<vec4<f32>>;
+
+struct Path {
+    origin: vec3<f32>,
+    /// Pixel in the window, or the light path's index.
+    index: u32,
+    direction: vec3<f32>,
+    /// Surface vertices so far.
+    depth: u32,
+    /// Light vertices that the vertex just hit is already joined with, where a bounce has more than
+    /// CONNECTIONS_PER_BOUNCE; 0 otherwise.
+    joined: u32,
+    throughput: vec3<f32>,
+    sample: u32,
+    mis: MisState,
+    /// The medium (material) the ray is in, or NONE.
+    medium: u32,
+}
+
+fn load_path(id: u32) -> Path {
+    let at = id * PATH_STRIDE;
+    let a = paths[at];
+    let b = paths[at + 1u];
+    let c = paths[at + 2u];
+    let d = paths[at + 3u];
+    let counts = bitcast<u32>(b.w);
+    return Path(a.xyz, bitcast<u32>(a.w), b.xyz, counts & 0xffffu, counts >> 16u, c.xyz, bitcast<u32>(c.w),
+        MisState(d.x, d.y, d.z), bitcast<u32>(d.w));
+}
+
+fn store_path(id: u32, path: Path) {
+    let at = id * PATH_STRIDE;
+    let counts = path.depth | (path.joined << 16u);
+    paths[at] = vec4<f32>(path.origin, bitcast<f32>(path.index));
+    paths[at + 1u] = vec4<f32>(path.direction, bitcast<f32>(counts));
+    paths[at + 2u] = vec4<f32>(path.throughput, bitcast<f32>(path.sample));
+    paths[at + 3u] = vec4<f32>(path.mis.dvcm, path.mis.dvc, path.mis.ending, bitcast<f32>(path.medium));
+}
+
+fn load_hit(id: u32) -> Hit {
+    let h = paths[id * PATH_STRIDE + 4u];
+    return Hit(h.x, h.y, h.z, bitcast<u32>(h.w));
+}
+
+fn store_hit(id: u32, hit: Hit) {
+    paths[id * PATH_STRIDE + 4u] = vec4<f32>(hit.t, hit.u, hit.v, bitcast<f32>(hit.triangle));
+}
+
+/// What lies between a path's last vertex and its hit.
+fn segment_transmittance(path: Path, hit: Hit, surface: Surface, material: Material) -> vec3<f32> {
+    let from_inside = material.kind == SURFACE_DIELECTRIC && (material.flags & MATERIAL_THIN) == 0u
+        && dot(surface.ng, path.direction) > 0.0;
+    return medium_transmittance(select(path.medium, surface.material, from_inside), hit.t);
+}
+
+/// The medium after a scattering at a surface towards wi.
+fn medium_after(path: Path, surface: Surface, material: Material, scattered: BsdfSample) -> u32 {
+    let changes = scattered.transmitted && (material.flags & MATERIAL_THIN) == 0u;
+    let entered = select(NONE, surface.material, dot(surface.ng, scattered.wi) < 0.0);
+    return select(path.medium, entered, changes);
+}

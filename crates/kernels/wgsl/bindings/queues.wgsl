@@ -1,0 +1,39 @@
+// The compacted list of paths under way, double-buffered, and the counters that never leave the
+// device within a pass.
+
+@group(0) @binding(5) var<storage, read_write> queues: array<u32>;
+@group(0) @binding(6) var<storage, read_write> counters: array<atomic<u32>>;
+
+const COUNT_IN: u32 = 0u;
+const COUNT_OUT: u32 = 1u;
+/// Which half of `queues` is read: 0 or 1.
+const COUNT_PARITY: u32 = 2u;
+/// Shadow rays pushed, and those to be traced now.
+const COUNT_SHADOW: u32 = 3u;
+const COUNT_SHADOW_TRACE: u32 = 4u;
+/// Light vertices appended, and the range to be projected onto the film now.
+const COUNT_VERTICES: u32 = 5u;
+const COUNT_SPLAT_FIRST: u32 = 6u;
+const COUNT_SPLAT_END: u32 = 7u;
+/// Rays traced in all: two words.
+const COUNT_RAYS_LOW: u32 = 8u;
+const COUNT_RAYS_HIGH: u32 = 9u;
+/// Contributions that were NaN, infinite or negative, and film sums that overflowed.
+const COUNT_REJECTED: u32 = 10u;
+const COUNT_OVERFLOW: u32 = 11u;
+/// How many counters there are.
+const N_COUNTERS: u32 = 16u;
+
+fn queue_length() -> u32 {
+    return atomicLoad(&counters[COUNT_IN]);
+}
+
+fn queued_path(place: u32) -> u32 {
+    return queues[atomicLoad(&counters[COUNT_PARITY]) * params.n_paths + place];
+}
+
+/// Every path is pushed at most once a bounce, so each half holds n_paths.
+fn push_path(id: u32) {
+    let place = atomicAdd(&counters[COUNT_OUT], 1u);
+    queues[(1u - atomicLoad(&counters[COUNT_PARITY])) * params.n_paths + place] = id;
+}

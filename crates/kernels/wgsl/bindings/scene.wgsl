@@ -1,0 +1,110 @@
+// The packed scene: materials, then lights, triangles' surfaces, and pre-generated numbers, all as
+// vec4 in one buffer (a stage has 8).
+
+/// vec4 per entry.
+const MATERIAL_STRIDE: u32 = 3u;
+const LIGHT_STRIDE: u32 = 2u;
+const SURFACE_STRIDE: u32 = 6u;
+
+@group(0) @binding(1) var<storage, read> scene: array<vec4<f32>>;
+
+/// One emissive triangle.
+struct Light {
+    triangle: u32,
+    /// Chance of being chosen.
+    pmf: f32,
+    /// Alias table.
+    threshold: f32,
+    alias_entry: u32,
+    area: f32,
+    /// The medium (material) around it, or NONE.
+    medium: u32,
+}
+
+/// A triangle's data for shading.
+struct Triangle {
+    v0: vec3<f32>,
+    e1: vec3<f32>,
+    e2: vec3<f32>,
+    material: u32,
+    /// Its place among the lights, or NONE.
+    light: u32,
+    n0: vec3<f32>,
+    n1: vec3<f32>,
+    n2: vec3<f32>,
+}
+
+/// A point on a surface.
+struct Surface {
+    position: vec3<f32>,
+    /// Geometric normal, front side.
+    ng: vec3<f32>,
+    /// Shading normal, in ng's hemisphere.
+    ns: vec3<f32>,
+    material: u32,
+    light: u32,
+}
+
+fn load_material(index: u32) -> Material {
+    let at = index * MATERIAL_STRIDE;
+    let a = scene[at];
+    let b = scene[at + 1u];
+    let c = scene[at + 2u];
+    return Material(a.xyz, bitcast<u32>(a.w), b.xyz, b.w, c.xyz, bitcast<u32>(c.w));
+}
+
+fn load_light(index: u32) -> Light {
+    let at = params.lights_at + index * LIGHT_STRIDE;
+    let a = scene[at];
+    let b = scene[at + 1u];
+    return Light(bitcast<u32>(a.x), a.y, a.z, bitcast<u32>(a.w), b.x, bitcast<u32>(b.y));
+}
+
+fn load_triangle(index: u32) -> Triangle {
+    let at = params.surfaces_at + index * SURFACE_STRIDE;
+    let a = scene[at];
+    let b = scene[at + 1u];
+    let c = scene[at + 2u];
+    return Triangle(a.xyz, b.xyz, c.xyz, bitcast<u32>(a.w), bitcast<u32>(b.w),
+        scene[at + 3u].xyz, scene[at + 4u].xyz, scene[at + 5u].xyz);
+}
+
+fn triangle_normal(triangle: Triangle) -> vec3<f32> {
+    return normalize(cross(triangle.e1, triangle.e2)); // not zero: degenerate triangles are not hit
+}
+
+fn load_surface(index: u32, u: f32, v: f32) -> Surface {
+    let triangle = load_triangle(index);
+    let ng = triangle_normal(triangle);
+    let blend = (1.0 - u - v) * triangle.n0 + u * triangle.n1 + v * triangle.n2;
+    let size2 = dot(blend, blend);
+    let unit = blend * inverseSqrt(max(size2, 1e-30));
+    let facing = select(-unit, unit, dot(unit, ng) >= 0.0);
+    let ns = select(ng, facing, size2 > 1e-12);
+    return Surface(triangle.v0 + u * triangle.e1 + v * triangle.e2, ng, ns, triangle.material, triangle.light);
+}
+
+/// Four uniform numbers in [0, 1) for a draw of a path: by hash, or from the table.
+fn random(path: u32, sample: u32, dim: u32) -> vec4<f32> {
+    if (params.n_random != 0u) {
+        return scene[params.random_at + table_index(path, sample, dim, params.seed, params.n_random)];
+    }
+    return unit_float(pcg4d(vec4<u32>(path, sample, dim, params.seed)));
+}
+
+/// A light for u in [0, 1); n_lights > 0.
+fn pick_light(u: f32) -> u32 {
+    let scaled = u * f32(params.n_lights);
+    let cell = min(u32(scaled), params.n_lights - 1u);
+    let light = load_light(cell);
+    return alias_pick(cell, scaled - f32(cell), light.threshold, light.alias_entry);
+}
+
+/// What a medium lets through over a distance.
+fn medium_transmittance(medium: u32, distance: f32) -> vec3<f32> {
+    if (medium == NONE) {
+        return vec3<f32>(1.0);
+    }
+    let sigma = load_material(medium).sigma_a;
+    return vec3<f32>(exp_negative(-sigma.x * distance), exp_negative(-sigma.y * distance), exp_negative(-sigma.z * distance));
+}

@@ -1,0 +1,49 @@
+// A stored light vertex with its surface: what a join needs of it.
+
+struct JoinVertex {
+    surface: Surface,
+    material: Material,
+    survival: f32,
+    ending: f32,
+}
+
+fn load_join_vertex(stored: LightVertex) -> JoinVertex {
+    let surface = load_surface(stored.triangle, stored.u, stored.v);
+    let material = load_material(surface.material);
+    let q = select(survival(material), params.emitter_survival, stored.s == 1u);
+    return JoinVertex(surface, material, q, ending_chance(mis_config(), q));
+}
+
+/// What a light subpath's end sends towards wi: importance-mode scattering with the adjoint factor
+/// and no cosine; at y_0, the emission (throughput holds radiance over density).
+fn light_end_scatter(stored: LightVertex, vertex: JoinVertex, wi: vec3<f32>) -> vec3<f32> {
+    if (stored.s == 1u) {
+        let emits = any(emitted_radiance(vertex.material, dot(vertex.surface.ng, wi)) > vec3<f32>(0.0));
+        return select(vec3<f32>(0.0), stored.throughput, emits);
+    }
+    let f = bsdf_eval(vertex.material, vertex.surface.ng, vertex.surface.ns, stored.wo, wi);
+    return stored.throughput * f * adjoint_factor(vertex.surface.ng, vertex.surface.ns, stored.wo, wi);
+}
+
+/// The cosine at a light subpath's end, as it enters the contribution.
+fn light_end_cosine(stored: LightVertex, vertex: JoinVertex, wi: vec3<f32>) -> f32 {
+    return abs(dot(select(vertex.surface.ns, vertex.surface.ng, stored.s == 1u), wi));
+}
+
+/// Density of a light end's scattering towards wi, per solid angle, with survival.
+fn light_end_pdf(stored: LightVertex, vertex: JoinVertex, from_direction: vec3<f32>, to_direction: vec3<f32>) -> f32 {
+    return vertex.survival * bsdf_pdf(vertex.material, vertex.surface.ng, vertex.surface.ns, from_direction, to_direction);
+}
+
+fn emission_pdf_towards(vertex: JoinVertex, wi: vec3<f32>) -> f32 {
+    let emits_back = (vertex.material.flags & MATERIAL_EMITS_BACK) != 0u;
+    return vertex.survival * emission_pdf_sa(dot(vertex.surface.ng, wi), emits_back);
+}
+
+/// What the strategies with fewer light vertices weigh at a stored vertex with s >= 2.
+fn light_earlier(stored: LightVertex, vertex: JoinVertex, wi: vec3<f32>) -> f32 {
+    let config = mis_config();
+    let state = light_vertex_mis(stored);
+    let factor = light_previous_factor(config, stored.s, state, vertex.ending);
+    return mis_earlier(config, state, factor, light_end_pdf(stored, vertex, wi, stored.wo));
+}

@@ -1,0 +1,73 @@
+// A subpath's vertex under its hands: what shading, joining and scattering need of it.
+
+struct Vertex {
+    surface: Surface,
+    material: Material,
+    /// Towards the vertex before.
+    wo: vec3<f32>,
+    /// Throughput on arrival.
+    throughput: vec3<f32>,
+    mis: MisState,
+    /// Survival at roulette.
+    survival: f32,
+    /// Its chance of being an end, as it enters MIS factors.
+    ending: f32,
+}
+
+/// The vertex at which a path's ray arrived; hit.triangle is not NONE.
+fn arrive(path: Path, hit: Hit) -> Vertex {
+    let config = mis_config();
+    let surface = load_surface(hit.triangle, hit.u, hit.v);
+    let material = load_material(surface.material);
+    let cos_in = max(abs(dot(surface.ng, path.direction)), 1e-12);
+    let state = mis_arrive(config, path.mis, hit.t * hit.t, cos_in);
+    let q = survival(material);
+    return Vertex(surface, material, -path.direction, path.throughput * segment_transmittance(path, hit, surface, material),
+        state, q, ending_chance(config, q));
+}
+
+/// Density of a vertex's scattering from one direction into another, per solid angle, with survival.
+fn scatter_pdf(vertex: Vertex, from_direction: vec3<f32>, to_direction: vec3<f32>) -> f32 {
+    return vertex.survival * bsdf_pdf(vertex.material, vertex.surface.ng, vertex.surface.ns, from_direction, to_direction);
+}
+
+/// The geometric normal on a direction's side.
+fn normal_towards(surface: Surface, direction: vec3<f32>) -> vec3<f32> {
+    return select(-surface.ng, surface.ng, dot(surface.ng, direction) > 0.0);
+}
+
+/// Numbers for scattering (x, y, z) and roulette (w).
+fn scatter_numbers(path: Path, stream: u32) -> vec4<f32> {
+    return random(path.index, path.sample, dimension(stream + DRAW_SCATTER, path.depth));
+}
+
+/// Sends a path on from a vertex that roulette spared; its throughput is 0 where nothing was
+/// sampled. `factor`: c of the strategy that ends at the vertex before (lib/mis.wgsl).
+fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> Path {
+    let surface = vertex.surface;
+    let scattered = bsdf_sample(vertex.material, surface.ng, surface.ns, vertex.wo, u, mode);
+    var next = path;
+    next.throughput = vec3<f32>(0.0);
+    if (scattered.pdf <= 0.0) {
+        return next;
+    }
+    let config = mis_config();
+    let cos_out = abs(dot(surface.ng, scattered.wi));
+    var weight = scattered.weight / vertex.survival; // > 0: roulette spared the path
+    if (mode == TRANSPORT_IMPORTANCE) {
+        weight *= adjoint_factor(surface.ng, surface.ns, vertex.wo, scattered.wi);
+    }
+    if (scattered.is_delta) {
+        next.mis = mis_scatter_delta(config, vertex.mis, cos_out, vertex.ending);
+    } else {
+        let pdf_fwd = scattered.pdf * vertex.survival;
+        let pdf_rev = scatter_pdf(vertex, scattered.wi, vertex.wo);
+        next.mis = mis_scatter(config, vertex.mis, factor, cos_out, pdf_fwd, pdf_rev, vertex.ending);
+    }
+    next.throughput = vertex.throughput * weight;
+    next.origin = offset_origin(surface.position, normal_towards(surface, scattered.wi));
+    next.direction = scattered.wi;
+    next.depth = path.depth + 1u;
+    next.medium = medium_after(path, surface, vertex.material, scattered);
+    return next;
+}

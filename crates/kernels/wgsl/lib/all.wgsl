@@ -1,0 +1,10 @@
+// The pure functions, in the order of their needs.
+#include "lib/math.wgsl"
+#include "lib/rng.wgsl"
+#include "lib/sampling.wgsl"
+#include "lib/camera.wgsl"
+#include "lib/bsdf.wgsl"
+#include "lib/light.wgsl"
+#include "lib/mis.wgsl"
+#include "lib/fixed_point.wgsl"
+#include "lib/intersect.wgsl"

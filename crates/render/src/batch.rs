@@ -1,0 +1,257 @@
+//! One batch of paths on one lane: its working buffers, and its phases as lists of commands.
+
+use midway_device::{BoundKernel, Buffer, BufferUsage, Command, Device, DeviceError, MemoryPlan};
+use midway_kernels::{constants as k, layout::Params};
+
+use crate::{
+    RenderError,
+    buffers::{BufferSet, Pipelines, dispatch, dispatch_indirect},
+};
+
+/// Bytes of a vec4.
+const VEC4: u64 = 16;
+/// Counters that a batch starts from zero; those after them add up over the render.
+const BATCH_COUNTERS: usize = k::COUNT_RAYS_LOW as usize;
+
+/// How large a lane's buffers are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LaneSize {
+    /// Paths in flight at most.
+    pub n_paths: u32,
+    /// Slots of light vertices before the appended ones.
+    pub append_at: u32,
+    /// Light vertices that can be appended.
+    pub append_capacity: u32,
+}
+
+impl LaneSize {
+    fn path_bytes(&self) -> u64 {
+        u64::from(self.n_paths) * u64::from(k::PATH_STRIDE) * VEC4
+    }
+
+    fn shadow_capacity(&self) -> u32 {
+        self.n_paths * (k::CONNECTIONS_PER_BOUNCE + 1)
+    }
+
+    fn shadow_bytes(&self) -> u64 {
+        u64::from(self.shadow_capacity()) * u64::from(k::SHADOW_STRIDE) * VEC4
+    }
+
+    fn vertex_bytes(&self) -> u64 {
+        u64::from((self.append_at + self.append_capacity).max(1)) * u64::from(k::VERTEX_STRIDE) * VEC4
+    }
+
+    /// Adds `lanes` lanes of this size to a plan. `own_vertices`: light vertices are not a pool's.
+    pub fn plan(&self, plan: &mut MemoryPlan, lanes: u64, own_vertices: bool) {
+        plan.scaling("paths", lanes * self.path_bytes());
+        plan.scaling("queues", lanes * u64::from(self.n_paths) * 8);
+        plan.scaling("shadow rays", lanes * self.shadow_bytes());
+        if own_vertices {
+            plan.scaling("light vertices", lanes * self.vertex_bytes());
+            plan.scaling("light paths", lanes * u64::from(self.n_paths) * 8);
+        }
+    }
+}
+
+/// The working buffers of a lane and the kernels bound to them.
+pub struct Lane {
+    size: LaneSize,
+    params: Buffer,
+    counters: Buffer,
+    args: Buffer,
+    generate_light: BoundKernel,
+    generate_camera: BoundKernel,
+    trace_closest: BoundKernel,
+    shade_light: BoundKernel,
+    shade_camera: BoundKernel,
+    connect: BoundKernel,
+    connect_camera: BoundKernel,
+    plan_queue: BoundKernel,
+    plan_shadow: BoundKernel,
+    trace_shadow: BoundKernel,
+}
+
+/// The kernels of a lane.
+pub const LANE_KERNELS: [&str; 10] = [
+    "generate_light",
+    "generate_camera",
+    "trace_closest",
+    "shade_light",
+    "shade_camera",
+    "connect",
+    "connect_camera",
+    "plan_queue",
+    "plan_shadow",
+    "trace_shadow",
+];
+
+impl Lane {
+    /// Allocates a lane. `shared` holds the scene, the film and, with a pool, its light vertices.
+    pub fn new(
+        device: &dyn Device,
+        pipelines: &Pipelines,
+        shared: &BufferSet,
+        size: LaneSize,
+        own_vertices: bool,
+    ) -> Result<Self, RenderError> {
+        let mut set = shared.clone();
+        let mut add = |name: &'static str, bytes: u64, usage| -> Result<Buffer, DeviceError> {
+            let buffer = device.create_buffer(name, bytes, usage)?;
+            set.insert(name, buffer.clone());
+            Ok(buffer)
+        };
+        let params = add("params", size_of::<Params>() as u64, BufferUsage::Uniform)?;
+        let counters = add("counters", u64::from(k::N_COUNTERS) * 4, BufferUsage::Storage)?;
+        let args = add("dispatch_args", u64::from(k::N_ARGS) * 4, BufferUsage::Indirect)?;
+        add("paths", size.path_bytes(), BufferUsage::Storage)?;
+        add("queues", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
+        add("shadow_rays", size.shadow_bytes(), BufferUsage::Storage)?;
+        if own_vertices {
+            add("light_vertices", size.vertex_bytes(), BufferUsage::Storage)?;
+            add("light_paths", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
+        }
+        let bind = |name| set.bind(device, pipelines, name);
+        Ok(Self {
+            size,
+            params,
+            counters,
+            args,
+            generate_light: bind("generate_light")?,
+            generate_camera: bind("generate_camera")?,
+            trace_closest: bind("trace_closest")?,
+            shade_light: bind("shade_light")?,
+            shade_camera: bind("shade_camera")?,
+            connect: bind("connect")?,
+            connect_camera: bind("connect_camera")?,
+            plan_queue: bind("plan_queue")?,
+            plan_shadow: bind("plan_shadow")?,
+            trace_shadow: bind("trace_shadow")?,
+        })
+    }
+
+    /// Its size.
+    pub fn size(&self) -> LaneSize {
+        self.size
+    }
+
+    /// Traces the light subpaths of `params`' batch and keeps their vertices; those that last one
+    /// bounce only are projected onto the film as they come. Returns how many were appended in all,
+    /// which may be more than there was room for.
+    pub fn trace_light_paths(&self, device: &dyn Device, params: &Params) -> Result<u32, RenderError> {
+        self.begin(device, params, 0)?;
+        let mut turn = vec![dispatch(&self.plan_queue, 1)];
+        if params.append_transient != 0 {
+            turn.push(dispatch_indirect(&self.connect_camera, &self.args, k::ARGS_SPLAT));
+            turn.extend(self.shadow_commands());
+        }
+        let mut start = vec![dispatch(&self.generate_light, params.n_paths)];
+        start.extend(turn.iter().cloned());
+        let mut bounce = vec![
+            dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE),
+            dispatch_indirect(&self.shade_light, &self.args, k::ARGS_QUEUE),
+        ];
+        bounce.extend(turn);
+        self.run_until_empty(device, start, &bounce)?;
+        self.counter(device, k::COUNT_VERTICES)
+    }
+
+    /// Projects the first `n` appended light vertices onto the film (t = 1).
+    pub fn splat_light_vertices(&self, device: &dyn Device, n: u32) -> Result<(), RenderError> {
+        let mut first = 0;
+        while first < n {
+            let end = n.min(first + self.size.shadow_capacity());
+            let range = [first, end];
+            device.write_buffer(&self.counters, u64::from(k::COUNT_SPLAT_FIRST) * 4, bytemuck::cast_slice(&range))?;
+            let mut commands = vec![dispatch(&self.connect_camera, end - first)];
+            commands.extend(self.shadow_commands());
+            device.run(&commands, false)?;
+            first = end;
+        }
+        Ok(())
+    }
+
+    /// Traces the camera subpaths of `params`' batch, joined to the light vertices kept.
+    pub fn trace_camera_paths(&self, device: &dyn Device, params: &Params) -> Result<(), RenderError> {
+        self.begin(device, params, params.n_paths)?;
+        let start = vec![dispatch(&self.generate_camera, params.n_paths), dispatch(&self.plan_queue, 1)];
+        let mut bounce = vec![dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE)];
+        if params.join != k::JOIN_NONE {
+            bounce.push(dispatch_indirect(&self.connect, &self.args, k::ARGS_QUEUE));
+        }
+        bounce.push(dispatch_indirect(&self.shade_camera, &self.args, k::ARGS_QUEUE));
+        bounce.push(dispatch(&self.plan_queue, 1));
+        bounce.extend(self.shadow_commands());
+        self.run_until_empty(device, start, &bounce)
+    }
+
+    /// The counters that add up over the render: rays, rejected samples, overflows.
+    pub fn totals(&self, device: &dyn Device) -> Result<LaneTotals, RenderError> {
+        let bytes = device.read_buffer(&self.counters, 0, u64::from(k::N_COUNTERS) * 4)?;
+        let words: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
+        let word = |index: u32| u64::from(words[index as usize]);
+        Ok(LaneTotals {
+            rays: word(k::COUNT_RAYS_LOW) | word(k::COUNT_RAYS_HIGH) << 32,
+            rejected: word(k::COUNT_REJECTED),
+            overflowed: word(k::COUNT_OVERFLOW),
+        })
+    }
+
+    fn shadow_commands(&self) -> [Command; 2] {
+        [dispatch(&self.plan_shadow, 1), dispatch_indirect(&self.trace_shadow, &self.args, k::ARGS_SHADOW)]
+    }
+
+    /// Writes a batch's constants and counters; `queued` paths will be in the queue's write half.
+    fn begin(&self, device: &dyn Device, params: &Params, queued: u32) -> Result<(), RenderError> {
+        debug_assert!(params.n_paths <= self.size.n_paths);
+        device.write_buffer(&self.params, 0, bytemuck::bytes_of(params))?;
+        let mut counters = [0u32; BATCH_COUNTERS];
+        counters[k::COUNT_OUT as usize] = queued;
+        counters[k::COUNT_PARITY as usize] = 1;
+        device.write_buffer(&self.counters, 0, bytemuck::cast_slice(&counters))?;
+        Ok(())
+    }
+
+    /// Runs `start`, then `bounce` until no path is queued.
+    fn run_until_empty(
+        &self,
+        device: &dyn Device,
+        mut commands: Vec<Command>,
+        bounce: &[Command],
+    ) -> Result<(), RenderError> {
+        let chunk = bounces_per_run(device);
+        let repeated: Vec<Command> = bounce.iter().cycle().take(bounce.len() * chunk).cloned().collect();
+        commands.extend(repeated.iter().cloned());
+        loop {
+            device.run(&commands, false)?;
+            if self.counter(device, k::COUNT_IN)? == 0 {
+                return Ok(());
+            }
+            commands.clone_from(&repeated);
+        }
+    }
+
+    fn counter(&self, device: &dyn Device, index: u32) -> Result<u32, RenderError> {
+        let bytes = device.read_buffer(&self.counters, u64::from(index) * 4, 4)?;
+        Ok(bytemuck::pod_read_unaligned(&bytes))
+    }
+}
+
+/// How many bounces to run before asking whether any path is left: asking is free on the CPU and
+/// stalls a GPU.
+fn bounces_per_run(device: &dyn Device) -> usize {
+    match device.info().kind {
+        midway_device::DeviceKind::Cpu => 1,
+        midway_device::DeviceKind::Gpu | midway_device::DeviceKind::SoftwareGpu => 8,
+    }
+}
+
+/// What a lane has counted since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LaneTotals {
+    /// Rays traced, closest and shadow.
+    pub rays: u64,
+    /// Contributions rejected as NaN, infinite or negative.
+    pub rejected: u64,
+    /// Film sums that overflowed.
+    pub overflowed: u64,
+}

@@ -1,0 +1,104 @@
+//! The kernels' `Params` from what was asked.
+
+use glam::Vec3;
+use midway_kernels::{constants as k, layout};
+use midway_scene::Camera;
+
+use crate::{Integrator, Join, JoinChoice, Mis, PackedScene, RenderSettings};
+
+/// Survival at y_0 in single-step without next-event estimation, where y_0 may be an end.
+const EMITTER_SURVIVAL: f32 = 0.75;
+
+/// The constants of a whole render; batches fill in their own.
+pub fn base_params(
+    settings: &RenderSettings,
+    camera: &Camera,
+    packed: &PackedScene,
+    n_light_paths: u32,
+) -> layout::Params {
+    let window = settings.window();
+    let integrator = &settings.integrator;
+    let single_step_alone = integrator.joins() == Some(Join::SingleStep) && !integrator.uses_nee();
+    layout::Params {
+        camera: pack_camera(settings, camera),
+        crop_x: window.x,
+        crop_y: window.y,
+        crop_width: window.width,
+        n_pixels: window.width * window.height,
+        seed: settings.seed,
+        flags: flags(settings),
+        join: match integrator.joins() {
+            None => k::JOIN_NONE,
+            Some(Join::Full) => k::JOIN_FULL,
+            Some(Join::KStep) => k::JOIN_K_STEP,
+            Some(Join::SingleStep) => k::JOIN_SINGLE_STEP,
+        },
+        k: integrator.k,
+        max_path_length: settings.max_path_length.unwrap_or(k::NONE),
+        clamp: settings.clamp.unwrap_or(f32::INFINITY),
+        splat_factor: if integrator.uses_splat() { n_light_paths as f32 } else { 0.0 },
+        emitter_survival: if single_step_alone { EMITTER_SURVIVAL } else { 1.0 },
+        n_light_paths,
+        camera_medium: packed.camera_medium,
+        only_s: settings.one_strategy.map_or(0, |one| one.s),
+        only_t: settings.one_strategy.map_or(0, |one| one.t),
+        lights_at: packed.lights_at,
+        surfaces_at: packed.surfaces_at,
+        random_at: packed.random_at,
+        n_lights: packed.n_lights,
+        n_random: packed.n_random,
+        ..bytemuck::Zeroable::zeroed()
+    }
+}
+
+/// The factor c of strategies with s >= 2 and t >= 2 (design: a constant of the pass). `mean_vertices`:
+/// L, the mean number of connectible vertices of a light path.
+pub fn join_factor(settings: &RenderSettings, mean_vertices: f32) -> f32 {
+    let integrator = &settings.integrator;
+    match integrator.joins() {
+        None => 0.0,
+        Some(Join::Full | Join::SingleStep) => 1.0,
+        Some(Join::KStep) => {
+            let ratio = integrator.k as f32 / mean_vertices;
+            if integrator.uses_pool() { ratio } else { ratio.min(1.0) }
+        }
+    }
+}
+
+fn flags(settings: &RenderSettings) -> u32 {
+    let integrator = &settings.integrator;
+    let one = settings.one_strategy;
+    [
+        (integrator.uses_pool(), k::FLAG_POOL),
+        (integrator.join_choice == JoinChoice::Importance, k::FLAG_IMPORTANCE),
+        (integrator.uses_nee(), k::FLAG_NEE),
+        (integrator.uses_splat(), k::FLAG_SPLAT),
+        (integrator.uses_camera_paths(), k::FLAG_HIT),
+        (integrator.integrator == Integrator::Light, k::FLAG_SPLAT_EMITTERS),
+        (integrator.mis == Mis::Power, k::FLAG_POWER_HEURISTIC),
+        (one.is_some(), k::FLAG_ONE_STRATEGY),
+        (one.is_some_and(|one| one.raw), k::FLAG_RAW),
+    ]
+    .into_iter()
+    .filter_map(|(set, flag)| set.then_some(flag))
+    .fold(0, |all, flag| all | flag)
+}
+
+fn pack_camera(settings: &RenderSettings, camera: &Camera) -> layout::Camera {
+    let (width, height) = (settings.width as f32, settings.height as f32);
+    let axis = |v: Vec3| camera.world_from_camera.transform_vector3(v).normalize();
+    let half_height = (camera.yfov * 0.5).tan();
+    let half_width = half_height * width / height;
+    layout::Camera {
+        origin: camera.position().to_array(),
+        pixel_area: (2.0 * half_width / width) * (2.0 * half_height / height),
+        right: axis(Vec3::X).to_array(),
+        half_width,
+        up: axis(Vec3::Y).to_array(),
+        half_height,
+        forward: axis(Vec3::NEG_Z).to_array(),
+        width,
+        height,
+        ..bytemuck::Zeroable::zeroed()
+    }
+}

@@ -1,0 +1,426 @@
+//! The renderer: schedules samples as passes, and passes as batches over the device's lanes.
+
+use std::sync::{Arc, Mutex, atomic::{AtomicU32, Ordering}};
+
+use midway_device::{BoundKernel, Buffer, BufferUsage, Device, DeviceKind, MemoryPlan};
+use midway_film::Image;
+use midway_kernels::{constants as k, layout::Params};
+use midway_scene::{Camera, Scene};
+
+use crate::{
+    Join, LightPaths, PackedScene, RenderError, RenderSettings,
+    batch::{LANE_KERNELS, Lane, LaneSize, LaneTotals},
+    buffers::{BufferSet, Pipelines, dispatch},
+    params::{base_params, join_factor},
+    pool::{POOL_KERNELS, Pool, PoolSize},
+};
+
+/// Light paths of the pilot that measures L.
+const PILOT_PATHS: u32 = 16_384;
+/// Its seed: fixed, so that L is the same for every seed.
+const PILOT_SEED: u32 = 0x9170_7001;
+/// Light vertices are given this much more room than the pilot's mean asks for.
+const VERTEX_ROOM: f64 = 1.25;
+/// And this many more, for small batches.
+const VERTEX_ROOM_LEAST: u32 = 1024;
+
+/// What a render has done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderStats {
+    /// Rays traced, closest and shadow.
+    pub rays: u64,
+    /// Contributions that were NaN, infinite or negative, left out and counted.
+    pub rejected: u64,
+    /// Film sums that overflowed.
+    pub overflowed: u64,
+    /// L, the mean number of connectible vertices of a light path, by the pilot; 0 without joins.
+    pub mean_light_vertices: f32,
+    /// Light paths of a pass that joins draw from.
+    pub n_light_paths: u32,
+}
+
+/// Renders one scene with one set of settings, progressively.
+pub struct Renderer {
+    device: Arc<dyn Device>,
+    settings: RenderSettings,
+    base: Params,
+    plan: MemoryPlan,
+    film: Buffer,
+    image: Buffer,
+    resolve: BoundKernel,
+    resolve_params: Buffer,
+    lanes: Vec<Lane>,
+    pool: Option<Pool>,
+    mean_light_vertices: f32,
+    samples: u64,
+}
+
+impl Renderer {
+    /// Packs the scene, measures L, plans memory, checks the plan and allocates.
+    ///
+    /// # Errors
+    /// If the settings or the scene are invalid, or the device is too small for the plan.
+    pub fn new(
+        device: Arc<dyn Device>,
+        scene: &Scene,
+        camera: &Camera,
+        settings: RenderSettings,
+    ) -> Result<Self, RenderError> {
+        settings.validate()?;
+        let packed = PackedScene::new(scene, camera, settings.rng_table)?;
+        let window = settings.window();
+        let n_pixels = window.width * window.height;
+        let n_light_paths = match settings.integrator.light_paths {
+            LightPaths::Pool(Some(n)) if settings.integrator.uses_pool() => n,
+            _ => n_pixels,
+        };
+        let mut base = base_params(&settings, camera, &packed, n_light_paths);
+        let mut plan = plan_shared(&packed, n_pixels);
+        plan.check(device.info())?;
+        let names: Vec<&'static str> = LANE_KERNELS.into_iter().chain(POOL_KERNELS).chain(["resolve"]).collect();
+        let pipelines = Pipelines::load(&*device, &names)?;
+        let mut shared = upload(&*device, &packed, n_pixels)?;
+        let mut mean_light_vertices = 0.0;
+        if settings.integrator.joins().is_some() {
+            mean_light_vertices = measure_light_vertices(&*device, &pipelines, &shared, &base)?;
+            base.join_factor = join_factor(&settings, mean_light_vertices);
+        }
+        let n_lanes = device.lanes() as u32;
+        let size = lane_size(&*device, &settings, mean_light_vertices, n_pixels, n_light_paths, n_lanes);
+        let own_vertices = !settings.integrator.uses_pool();
+        size.plan(&mut plan, u64::from(n_lanes), own_vertices);
+        let pool_size = PoolSize {
+            n_paths: n_light_paths,
+            n_vertices: reserved_slots(&settings, n_light_paths) + size.append_capacity * n_lanes,
+        };
+        if !own_vertices {
+            pool_size.plan(&mut plan);
+        }
+        plan.check(device.info())?;
+        let pool =
+            if own_vertices { None } else { Some(Pool::new(&*device, &pipelines, &mut shared, pool_size)?) };
+        let lanes = (0..n_lanes)
+            .map(|_| Lane::new(&*device, &pipelines, &shared, size, own_vertices))
+            .collect::<Result<Vec<_>, _>>()?;
+        let resolve_params = device.create_buffer("params", size_of::<Params>() as u64, BufferUsage::Uniform)?;
+        let mut resolve_set = shared.clone();
+        resolve_set.insert("params", resolve_params.clone());
+        resolve_set.insert("counters", device.create_buffer("counters", u64::from(k::N_COUNTERS) * 4, BufferUsage::Storage)?);
+        Ok(Self {
+            resolve: resolve_set.bind(&*device, &pipelines, "resolve")?,
+            resolve_params,
+            film: shared.get("film").clone(),
+            image: shared.get("image").clone(),
+            device,
+            settings,
+            base,
+            plan,
+            lanes,
+            pool,
+            mean_light_vertices,
+            samples: 0,
+        })
+    }
+
+    /// Memory on the device, by buffer.
+    pub fn plan(&self) -> &MemoryPlan {
+        &self.plan
+    }
+
+    /// What was asked.
+    pub fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+
+    /// Samples of every pixel so far.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Renders one pass: at least one sample of every pixel, at most `max_samples`. Returns how many.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn step(&mut self, max_samples: u64) -> Result<u64, RenderError> {
+        let n_samples = self.samples_per_pass().min(max_samples.max(1) as u32);
+        let mut params = self.base;
+        params.first_sample = self.samples as u32;
+        if self.pool.is_some() {
+            self.trace_pool(&params)?;
+        }
+        if self.settings.integrator.uses_camera_paths() || self.pool.is_none() {
+            let n_places = params.n_pixels * n_samples;
+            self.for_each_batch(n_places, |device, lane, first, n| {
+                self.render_batch(device, lane, Params { first_path: first, n_paths: n, ..params })
+            })?;
+        }
+        self.samples += u64::from(n_samples);
+        Ok(u64::from(n_samples))
+    }
+
+    /// The image so far: the mean of all samples, of the rendered window.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn image(&self) -> Result<Image, RenderError> {
+        let params = Params { first_sample: self.samples as u32, ..self.base };
+        self.device.write_buffer(&self.resolve_params, 0, bytemuck::bytes_of(&params))?;
+        self.device.run(&[dispatch(&self.resolve, params.n_pixels)], false)?;
+        let bytes = self.device.read_buffer(&self.image, 0, u64::from(params.n_pixels) * 16)?;
+        let words: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let window = self.settings.window();
+        Ok(Image {
+            width: window.width as usize,
+            height: window.height as usize,
+            pixels: words.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
+        })
+    }
+
+    /// Forgets all samples; the next pass is the first again.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn restart(&mut self) -> Result<(), RenderError> {
+        self.device.run(&[midway_device::Command::Clear(self.film.clone())], false)?;
+        self.samples = 0;
+        Ok(())
+    }
+
+    /// What was done so far.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn stats(&self) -> Result<RenderStats, RenderError> {
+        let mut sum = LaneTotals::default();
+        for lane in &self.lanes {
+            let totals = lane.totals(&*self.device)?;
+            sum.rays += totals.rays;
+            sum.rejected += totals.rejected;
+            sum.overflowed += totals.overflowed;
+        }
+        Ok(RenderStats {
+            rays: sum.rays,
+            rejected: sum.rejected,
+            overflowed: sum.overflowed,
+            mean_light_vertices: self.mean_light_vertices,
+            n_light_paths: self.base.n_light_paths,
+        })
+    }
+
+    /// Samples of a pass: a pool is made for one sample of every pixel; else as many as fill the lanes.
+    fn samples_per_pass(&self) -> u32 {
+        if self.pool.is_some() {
+            return 1;
+        }
+        let in_flight = self.lanes.iter().map(|lane| lane.size().n_paths).sum::<u32>();
+        (in_flight / self.base.n_pixels).max(1)
+    }
+
+    /// Light and camera subpaths of one batch; in halves where the light paths did not fit.
+    fn render_batch(&self, device: &dyn Device, lane: &Lane, params: Params) -> Result<(), RenderError> {
+        let mut params = self.own_vertex_params(lane, params);
+        if self.pool.is_none() && self.settings.integrator.uses_light_paths() {
+            let n_vertices = lane.trace_light_paths(device, &params)?;
+            if params.append_transient == 0 {
+                if n_vertices > params.append_capacity {
+                    return self.render_halves(device, lane, params);
+                }
+                if self.settings.integrator.uses_splat() {
+                    lane.splat_light_vertices(device, n_vertices)?;
+                }
+            }
+        }
+        if self.settings.integrator.uses_camera_paths() {
+            params.append_transient = 0;
+            lane.trace_camera_paths(device, &params)?;
+        }
+        Ok(())
+    }
+
+    fn render_halves(&self, device: &dyn Device, lane: &Lane, params: Params) -> Result<(), RenderError> {
+        if params.n_paths == 1 {
+            return Err(RenderError::PathTooLong { capacity: params.append_capacity });
+        }
+        let half = params.n_paths / 2;
+        self.render_batch(device, lane, Params { n_paths: half, ..params })?;
+        let (first_path, n_paths) = (params.first_path + half, params.n_paths - half);
+        self.render_batch(device, lane, Params { first_path, n_paths, ..params })
+    }
+
+    /// Where a lane of its own appends light vertices.
+    fn own_vertex_params(&self, lane: &Lane, mut params: Params) -> Params {
+        if self.pool.is_none() {
+            let size = lane.size();
+            params.append_at = size.append_at;
+            params.append_capacity = size.append_capacity;
+            params.append_transient = u32::from(self.settings.integrator.joins() != Some(Join::Full));
+        }
+        params
+    }
+
+    /// Traces the light paths of a pass into the pool, projects them onto the film, and makes the
+    /// table that joins draw from.
+    fn trace_pool(&self, params: &Params) -> Result<(), RenderError> {
+        let reserved = reserved_slots(&self.settings, params.n_light_paths);
+        let keeps_all = self.settings.integrator.join != Join::SingleStep;
+        let used: Vec<AtomicU32> = self.lanes.iter().map(|_| AtomicU32::new(0)).collect();
+        let lane_paths = params.n_light_paths.div_ceil(self.lanes.len() as u32);
+        self.for_each_lane(|device, index, lane| {
+            let size = lane.size();
+            let region = reserved + index as u32 * size.append_capacity;
+            let end = params.n_light_paths.min((index as u32 + 1) * lane_paths);
+            let mut first = index as u32 * lane_paths;
+            while first < end {
+                let n = size.n_paths.min(end - first);
+                let at = used[index].load(Ordering::Relaxed);
+                let batch = Params {
+                    first_path: first,
+                    n_paths: n,
+                    append_at: region + at,
+                    append_capacity: size.append_capacity - at,
+                    append_transient: u32::from(!keeps_all),
+                    ..*params
+                };
+                let n_vertices = lane.trace_light_paths(device, &batch)?;
+                if keeps_all {
+                    if n_vertices > batch.append_capacity {
+                        return Err(RenderError::PathTooLong { capacity: size.append_capacity });
+                    }
+                    if self.settings.integrator.uses_splat() {
+                        lane.splat_light_vertices(device, n_vertices)?;
+                    }
+                    used[index].fetch_add(n_vertices, Ordering::Relaxed);
+                }
+                first += n;
+            }
+            Ok(())
+        })?;
+        match &self.pool {
+            Some(pool) if keeps_all => pool.index(&*self.device, params),
+            _ => Ok(()),
+        }
+    }
+
+    /// Cuts `n_places` into batches and runs them on the lanes as these come free.
+    fn for_each_batch(
+        &self,
+        n_places: u32,
+        run: impl Fn(&dyn Device, &Lane, u32, u32) -> Result<(), RenderError> + Sync,
+    ) -> Result<(), RenderError> {
+        let next = AtomicU32::new(0);
+        self.for_each_lane(|device, _, lane| {
+            let batch = lane.size().n_paths;
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some(first) = index.checked_mul(batch).filter(|&first| first < n_places) else {
+                    return Ok(());
+                };
+                run(device, lane, first, batch.min(n_places - first))?;
+            }
+        })
+    }
+
+    /// Runs `work` once for each lane, at once where the device can; the first error counts.
+    fn for_each_lane(
+        &self,
+        work: impl Fn(&dyn Device, usize, &Lane) -> Result<(), RenderError> + Sync,
+    ) -> Result<(), RenderError> {
+        let failure = Mutex::new(None);
+        self.device.for_each_lane(&|index| {
+            if let Err(error) = work(&*self.device, index, &self.lanes[index]) {
+                failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
+            }
+        });
+        failure.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).map_or(Ok(()), Err)
+    }
+}
+
+fn plan_shared(packed: &PackedScene, n_pixels: u32) -> MemoryPlan {
+    let mut plan = MemoryPlan::default();
+    plan.fixed("nodes", size_of_val(&packed.nodes[..]) as u64);
+    plan.fixed("triangles", size_of_val(&packed.triangles[..]) as u64);
+    plan.fixed("scene", size_of_val(&packed.scene[..]) as u64);
+    plan.fixed("film", u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4);
+    plan.fixed("image", u64::from(n_pixels) * 16);
+    plan
+}
+
+/// Copies the scene to the device and makes the film.
+fn upload(device: &dyn Device, packed: &PackedScene, n_pixels: u32) -> Result<BufferSet, RenderError> {
+    let mut set = BufferSet::default();
+    let parts: [(&'static str, &[[u32; 4]]); 3] =
+        [("nodes", &packed.nodes), ("triangles", &packed.triangles), ("scene", &packed.scene)];
+    for (name, words) in parts {
+        // A kernel's array has at least one element, even over an empty scene.
+        let bytes = (size_of_val(words) as u64).max(16);
+        let buffer = device.create_buffer(name, bytes, BufferUsage::Storage)?;
+        device.write_buffer(&buffer, 0, bytemuck::cast_slice(words))?;
+        set.insert(name, buffer);
+    }
+    let film_bytes = u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4;
+    set.insert("film", device.create_buffer("film", film_bytes, BufferUsage::Storage)?);
+    set.insert("image", device.create_buffer("image", u64::from(n_pixels) * 16, BufferUsage::Storage)?);
+    Ok(set)
+}
+
+/// L: the mean number of connectible vertices (s >= 2) of a light path, by a pilot of fixed seed.
+fn measure_light_vertices(
+    device: &dyn Device,
+    pipelines: &Pipelines,
+    shared: &BufferSet,
+    base: &Params,
+) -> Result<f32, RenderError> {
+    let size = LaneSize { n_paths: PILOT_PATHS, append_at: 0, append_capacity: 0 };
+    let lane = Lane::new(device, pipelines, shared, size, true)?;
+    let params = Params {
+        seed: PILOT_SEED,
+        n_paths: PILOT_PATHS,
+        n_light_paths: PILOT_PATHS,
+        join: k::JOIN_FULL,
+        flags: base.flags & !(k::FLAG_POOL | k::FLAG_SPLAT),
+        emitter_survival: 1.0,
+        ..*base
+    };
+    let n = lane.trace_light_paths(device, &params)?;
+    // At least one vertex in the whole pilot, so that K / L stays finite.
+    Ok(n.max(1) as f32 / PILOT_PATHS as f32)
+}
+
+/// Slots of light vertices that the join needs before the appended ones.
+fn reserved_slots(settings: &RenderSettings, n_paths: u32) -> u32 {
+    let integrator = &settings.integrator;
+    match integrator.joins() {
+        Some(Join::SingleStep) => n_paths,
+        Some(Join::KStep) if !integrator.uses_pool() => n_paths * integrator.k,
+        _ => 0,
+    }
+}
+
+/// The size of a lane's buffers.
+fn lane_size(
+    device: &dyn Device,
+    settings: &RenderSettings,
+    mean_light_vertices: f32,
+    n_pixels: u32,
+    n_light_paths: u32,
+    n_lanes: u32,
+) -> LaneSize {
+    let most = match device.info().kind {
+        DeviceKind::Cpu => 4096,
+        DeviceKind::SoftwareGpu => 16_384,
+        DeviceKind::Gpu => 524_288,
+    };
+    let wanted = if device.info().kind == DeviceKind::Cpu { most } else { most.max(n_pixels.min(most)) };
+    let n_paths = wanted;
+    let room = |paths: u32| {
+        (f64::from(paths) * (f64::from(mean_light_vertices) * VERTEX_ROOM + 1.0)) as u32 + VERTEX_ROOM_LEAST
+    };
+    let integrator = &settings.integrator;
+    let append_capacity = match (integrator.joins(), integrator.uses_pool()) {
+        (Some(Join::Full), false) => room(n_paths),
+        (Some(Join::Full | Join::KStep), true) => room(n_light_paths.div_ceil(n_lanes)),
+        // Projected at once: one vertex a path and bounce.
+        _ => n_paths,
+    };
+    LaneSize { n_paths, append_at: if integrator.uses_pool() { 0 } else { reserved_slots(settings, n_paths) }, append_capacity }
+}
