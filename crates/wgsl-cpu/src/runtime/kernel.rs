@@ -26,6 +26,18 @@ pub struct Binding {
     pub min_bytes: u64,
 }
 
+/// Checks that the buffers are as many and as large as the bindings ask for.
+///
+/// # Panics
+/// If they are not.
+pub fn check_bindings(bindings: &[Binding], buffers: &[Storage<'_>]) {
+    assert_eq!(bindings.len(), buffers.len(), "a kernel's buffers are as many as its bindings");
+    for (binding, buffer) in bindings.iter().zip(buffers) {
+        let (name, least, len) = (binding.name, binding.min_bytes, buffer.len_bytes());
+        assert!(len as u64 >= least, "the buffer of `{name}` holds {len} bytes, not {least}");
+    }
+}
+
 /// A part of a dispatch: the workgroups `first..first + count` in row-major order (x fastest) of
 /// a grid of `grid` workgroups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -19,7 +19,7 @@ pub use atomic::{Atomic, AtomicWord, ExchangeResult};
 pub use bits::*;
 pub use geometry::*;
 pub use index::{AsIndex, index};
-pub use kernel::{Binding, BindingKind, Invocation, Invocations, Kernel, NativeEntry};
+pub use kernel::{Binding, BindingKind, Invocation, Invocations, Kernel, NativeEntry, check_bindings};
 pub use math::*;
 pub use matrix::{Mat, Square, Transpose, determinant, transpose};
 pub use number::{Number, Scalar, Signed, Zero, div, rem, zero};

@@ -1,0 +1,35 @@
+//! Small WGSL kernels that prove `wgsl-cpu`: each is run natively, and on a GPU, and compared.
+
+use wgsl_cpu::Kernel;
+
+/// Takes in a translated probe and makes its record.
+macro_rules! probes {
+    ($($(#[$doc:meta])* $name:ident $record:ident;)*) => {
+        $(
+            $(#[$doc])*
+            #[allow(unused, unused_qualifications, nonstandard_style, missing_docs, clippy::all)]
+            pub mod $name {
+                include!(concat!(env!("OUT_DIR"), "/", stringify!($name), ".rs"));
+            }
+
+            $(#[$doc])*
+            pub static $record: Kernel = Kernel {
+                name: stringify!($name),
+                wgsl: include_str!(concat!("../wgsl/", stringify!($name), ".wgsl")),
+                bindings: $name::BINDINGS,
+                workgroup_size: $name::WORKGROUP_SIZE,
+                native: $name::entry,
+            };
+        )*
+
+        /// All probes.
+        pub static KERNELS: &[&Kernel] = &[$(&$record),*];
+    };
+}
+
+probes! {
+    /// Closest hit of rays with triangles in a BVH2, while-while.
+    traverse TRAVERSE;
+    /// Statements.
+    control CONTROL;
+}
