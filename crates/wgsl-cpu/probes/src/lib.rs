@@ -1,5 +1,9 @@
 //! Small WGSL kernels that prove `wgsl-cpu`: each is run natively, and on a GPU, and compared.
 
+pub mod by_hand;
+pub mod scene;
+pub mod words;
+
 use wgsl_cpu::Kernel;
 
 /// Takes in a translated probe and makes its record.

@@ -35,6 +35,8 @@ pub(super) struct FunctionWriter<'a> {
     pub(super) locals: HashMap<Handle<LocalVariable>, String>,
     /// The expressions that have a name, or are written at their only use.
     pub(super) values: HashMap<Handle<Expression>, Text>,
+    /// The operators that variables of naga's stand for.
+    pub(super) logicals: HashMap<Handle<LocalVariable>, Text>,
     /// The loops and switches around.
     pub(super) frames: Vec<Frame>,
     pub(super) code: String,
@@ -133,6 +135,7 @@ impl<'a> FunctionWriter<'a> {
             arguments,
             locals,
             values: HashMap::new(),
+            logicals: HashMap::new(),
             frames: Vec::new(),
             code: String::new(),
             indent: 1,

@@ -152,7 +152,7 @@ impl<'a> ModuleWriter<'a> {
             parts.push(self.entry(entry, !bindings.is_empty())?);
         }
         parts.retain(|part| !part.is_empty());
-        Ok(parts.join("\n"))
+        Ok(parts.iter().map(|part| part.trim_end()).collect::<Vec<_>>().join("\n\n") + "\n")
     }
 
     fn written_functions(&self) -> impl Iterator<Item = &'a Function> {

@@ -103,6 +103,11 @@ impl FunctionWriter<'_> {
 
     /// The value in a place.
     pub(super) fn load(&self, pointer: Handle<Expression>) -> Result<Text> {
+        if let Expression::LocalVariable(local) = self.function.expressions[pointer]
+            && let Some(operator) = self.logicals.get(&local)
+        {
+            return Ok(operator.clone());
+        }
         let pointee = self.pointee(pointer);
         Ok(match self.place(pointer)? {
             Place::Variable { code, is_reference: false } => Text::atom(code),

@@ -28,6 +28,8 @@ pub(super) struct Schedule {
     /// Local variables that begin with a store, by that statement.
     declarations: HashMap<*const Statement, Handle<LocalVariable>>,
     declared: HashSet<Handle<LocalVariable>>,
+    /// Expressions that only give local variables their first value.
+    initial: HashSet<Handle<Expression>>,
 }
 
 impl Schedule {
@@ -44,12 +46,19 @@ impl Schedule {
             walk.runs.keys().copied().filter(|&handle| walk.is_inlined(handle)).collect::<HashSet<_>>();
         let declarations = Locals::new(function).declarations(&function.body);
         let declared = declarations.values().copied().collect();
-        Self { inlined, declarations, declared }
+        let initial = function.local_variables.iter().filter_map(|(_, local)| local.init);
+        let initial = initial.filter(|&value| info[value].ref_count == 1).collect();
+        Self { inlined, declarations, declared, initial }
     }
 
     /// Whether the expression is written at its only use.
     pub(super) fn is_inlined(&self, expression: Handle<Expression>) -> bool {
         self.inlined.contains(&expression)
+    }
+
+    /// Whether the expression only gives a local variable its first value.
+    pub(super) fn is_initial(&self, expression: Handle<Expression>) -> bool {
+        self.initial.contains(&expression)
     }
 
     /// The local variable that this statement declares by its first store.

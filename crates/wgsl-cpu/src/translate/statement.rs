@@ -54,12 +54,8 @@ impl FunctionWriter<'_> {
     fn statement(&mut self, statement: &Statement, is_last: bool) -> Result<()> {
         match *statement {
             Statement::Emit(ref range) => range.clone().try_for_each(|expression| self.emit(expression)),
-            Statement::Block(ref block) => {
-                self.line("{");
-                self.indented(|this| this.block(block, false))?;
-                self.line("}");
-                Ok(())
-            }
+            // All names of a function differ, so that scopes need no braces.
+            Statement::Block(ref block) => self.block(block, false),
             Statement::If { condition, ref accept, ref reject } => match logical(self.function, statement) {
                 Some(logical) => self.logical(condition, &logical),
                 None => self.branch(condition, accept, reject),
@@ -87,7 +83,11 @@ impl FunctionWriter<'_> {
         let is_pointer = self.inner(expression).pointer_space().is_some();
         let is_named = self.function.named_expressions.contains_key(&expression);
         let is_unnamed_trivial = is_trivial(&self.function.expressions[expression]) && !is_named;
-        if self.info[expression].ref_count == 0 || is_pointer || is_unnamed_trivial {
+        if self.info[expression].ref_count == 0
+            || self.schedule.is_initial(expression)
+            || is_pointer
+            || is_unnamed_trivial
+        {
             // Pointers are followed where they are used, but their indexes are evaluated by now.
             return Ok(());
         }
@@ -135,23 +135,30 @@ impl FunctionWriter<'_> {
             (false, _) => self.value(condition)?,
         };
         let symbol = if logical.is_or { "||" } else { "&&" };
-        let head = format!("let {} = {} {symbol} ", self.locals[&logical.local], left.operand());
-        let before = std::mem::take(&mut self.code);
-        let right = self.right_operand(logical);
-        let statements = std::mem::replace(&mut self.code, before);
-        let right = right?;
+        let head = format!("{} {symbol} ", left.operand());
+        let (right, statements) = self.aside(|this| this.right_operand(logical))?;
         if statements.is_empty() {
-            self.line(&format!("{head}{};", right.operand()));
-        } else {
-            self.line(&format!("{head}{{"));
-            self.code.push_str(&statements);
-            self.indented(|this| {
-                this.line(&right.code);
-                Ok(())
-            })?;
-            self.line("};");
+            // naga loads the variable at once: that is where the operator is written.
+            let text = Text::compound(head + &right.operand());
+            self.logicals.insert(logical.local, text);
+            return Ok(());
         }
+        self.line(&format!("let {} = {head}{{", self.locals[&logical.local]));
+        self.code.push_str(&statements);
+        self.indented(|this| {
+            this.line(&right.code);
+            Ok(())
+        })?;
+        self.line("};");
         Ok(())
+    }
+
+    /// Writes to a text of its own.
+    fn aside<T>(&mut self, write: impl FnOnce(&mut Self) -> Result<T>) -> Result<(T, String)> {
+        let before = std::mem::take(&mut self.code);
+        let written = write(self);
+        let code = std::mem::replace(&mut self.code, before);
+        Ok((written?, code))
     }
 
     /// Writes what the right operand needs, and returns it.
@@ -181,26 +188,40 @@ impl FunctionWriter<'_> {
         } else {
             self.line(&format!("if {} {{", condition.code));
             self.indented(|this| this.block(accept, false))?;
-            if !reject.is_empty() {
-                self.line("} else {");
-                self.indented(|this| this.block(reject, false))?;
-            }
+            self.otherwise(reject)?;
         }
         self.line("}");
+        Ok(())
+    }
+
+    /// The `else` of an `if`, joined with an `if` that it consists of.
+    fn otherwise(&mut self, reject: &Block) -> Result<()> {
+        if reject.is_empty() {
+            return Ok(());
+        }
+        let ((), inside) = self.aside(|this| this.indented(|this| this.block(reject, false)))?;
+        let depth = "    ".repeat(self.indent);
+        let is_chain = matches!(reject.last(), Some(Statement::If { .. })) && is_one_branch(&inside, &depth);
+        if is_chain {
+            // The inner `if` moves out by one level and its last brace is the outer one's.
+            let moved: String = inside.lines().map(|line| format!("{}\n", &line[4..])).collect();
+            let body = moved.trim_end().strip_suffix('}').unwrap_or(&moved).trim_end();
+            self.code.push_str(&format!("{depth}}} else {}\n", body.trim_start()));
+        } else {
+            self.line("} else {");
+            self.code.push_str(&inside);
+        }
         Ok(())
     }
 
     fn switch(&mut self, selector: Handle<Expression>, cases: &[SwitchCase]) -> Result<()> {
         let selector = self.value(selector)?;
         let number = self.push_frame(FrameKind::Switch);
-        let before = std::mem::take(&mut self.code);
-        let arms = self.indented(|this| this.arms(cases));
-        let arms_code = std::mem::replace(&mut self.code, before);
-        arms?;
+        let ((), arms) = self.aside(|this| this.indented(|this| this.arms(cases)))?;
         let is_labelled = self.pop_frame();
         let label = if is_labelled { format!("'switch_{number}: {{ ") } else { String::new() };
         self.line(&format!("{label}match {} {{", selector.code));
-        self.code.push_str(&arms_code);
+        self.code.push_str(&arms);
         self.line(if is_labelled { "} }" } else { "}" });
         Ok(())
     }
@@ -260,13 +281,12 @@ impl FunctionWriter<'_> {
             HashSet::new()
         };
         let number = self.push_frame(FrameKind::Loop { is_block });
-        let before = std::mem::take(&mut self.code);
-        let inside = self.indented(|this| this.iteration(body, continuing, break_if, number, hoisted));
-        let inside_code = std::mem::replace(&mut self.code, before);
-        inside?;
+        let ((), inside) = self.aside(|this| {
+            this.indented(|this| this.iteration(body, continuing, break_if, number, hoisted))
+        })?;
         let label = if self.pop_frame() { format!("'loop_{number}: ") } else { String::new() };
         self.line(&format!("{label}loop {{"));
-        self.code.push_str(&inside_code);
+        self.code.push_str(&inside);
         self.line("}");
         Ok(())
     }
@@ -485,6 +505,14 @@ impl FunctionWriter<'_> {
         }
         Ok(())
     }
+}
+
+/// Whether lines of code one level inside `depth` are one `if` with its `else`s.
+fn is_one_branch(inside: &str, depth: &str) -> bool {
+    let at_level = |line: &str| !line.starts_with(&format!("{depth}        "));
+    let heads: Vec<&str> = inside.lines().filter(|line| at_level(line)).map(str::trim_start).collect();
+    heads.first().is_some_and(|head| head.starts_with("if "))
+        && heads[1..].iter().all(|head| head.starts_with('}'))
 }
 
 /// Whether a `continue` in the block, but not in a loop inside it, ends the iteration.
