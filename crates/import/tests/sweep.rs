@@ -65,8 +65,11 @@ fn every_gltf_loads_or_is_refused() {
     for (kind, files) in &outcomes {
         println!("{kind}: {}", files.len());
     }
-    let loaded = outcomes.get("loaded").map_or(0, Vec::len);
-    assert!(files.is_empty() || loaded * 2 >= files.len(), "only {loaded} of {} load", files.len());
+    // The validator's own tests are mostly fragments without a triangle; the others are scenes.
+    let is_scene = |p: &&String| !p.contains("validator-tests");
+    let n_scenes = outcomes.values().flatten().filter(is_scene).count();
+    let n_loaded = outcomes.get("loaded").into_iter().flatten().filter(is_scene).count();
+    assert!(n_loaded * 10 >= n_scenes * 8, "only {n_loaded} of {n_scenes} scenes load");
 }
 
 #[test]
@@ -93,12 +96,11 @@ fn cornell_boxes_of_mcguire_load() {
         for warning in &import.warnings {
             println!("    {warning}");
         }
-        let lights = import.scene.world_triangles().filter(|t| {
-            import.scene.materials[t.material as usize].is_emissive()
-        });
-        for light in lights {
-            if let Some(normal) = light.geometric_normal() {
-                println!("    light faces {normal}");
+        let materials = &import.scene.materials;
+        for t in import.scene.world_triangles() {
+            // Light is emitted from the front: into the room.
+            if materials[t.material as usize].is_emissive() {
+                assert!(t.geometric_normal().is_some_and(|n| n.y < -0.99), "{t:?}");
             }
         }
     }

@@ -7,7 +7,8 @@ use crate::{ImportError, files::SceneFolder};
 
 /// The document's buffers, loaded, and its views.
 pub(super) struct Buffers<'a> {
-    buffers: Vec<Arc<[u8]>>,
+    /// None for one that holds nothing: an extension's, an error where it is used.
+    buffers: Vec<Option<Arc<[u8]>>>,
     views: Vec<Json<'a>>,
 }
 
@@ -29,7 +30,10 @@ impl<'a> Buffers<'a> {
             let bytes = match (buffer.get("uri"), binary) {
                 (Some(uri), _) => folder.read_uri(uri.string()?, &uri.place())?,
                 (None, Some(binary)) if i == 0 => binary.into(),
-                (None, _) => return Err(buffer.malformed("the buffer has neither a URI nor a GLB chunk")),
+                (None, _) => {
+                    buffers.push(None);
+                    continue;
+                }
             };
             let announced = buffer.required("byteLength")?;
             let needed = announced.unsigned()?;
@@ -37,20 +41,23 @@ impl<'a> Buffers<'a> {
                 let (place, available) = (announced.place(), bytes.len() as u64);
                 return Err(ImportError::Truncated { place, what: "the buffer", needed, available });
             }
-            buffers.push(bytes);
+            buffers.push(Some(bytes));
         }
         Ok(Self { buffers, views: root.items("bufferViews")? })
     }
 
     /// Bytes held in all buffers.
     pub fn total_bytes(&self) -> u64 {
-        self.buffers.iter().map(|b| b.len() as u64).sum()
+        self.buffers.iter().flatten().map(|b| b.len() as u64).sum()
     }
 
     /// The view that an index refers to.
     pub fn view(&self, index: &Json) -> Result<View<'_>, ImportError> {
         let view = &self.views[index.index("buffer view", self.views.len())?];
-        let buffer = &self.buffers[view.required("buffer")?.index("buffer", self.buffers.len())?];
+        let buffer = view.required("buffer")?;
+        let buffer = self.buffers[buffer.index("buffer", self.buffers.len())?]
+            .as_ref()
+            .ok_or_else(|| buffer.malformed("the buffer has neither a URI nor a GLB chunk"))?;
         let offset = view.unsigned_or("byteOffset", 0)?;
         let length = view.required("byteLength")?.unsigned()?;
         let bytes = slice(buffer, offset, length).ok_or_else(|| ImportError::Truncated {

@@ -5,7 +5,7 @@ use midway_scene::{Material, Surface};
 
 use super::{json::Json, warn_of_extensions};
 use crate::{
-    ImportError, default_material,
+    ImportError,
     warning::{WarningKind, Warnings},
 };
 
@@ -14,29 +14,9 @@ const MIRROR_ROUGHNESS: f32 = 0.5;
 /// The least attenuation colour: a channel that is black at some distance absorbs this much.
 const LEAST_ATTENUATION: f32 = 1e-7;
 
-/// All materials, and the index of the one for primitives without: it is appended where there is
-/// such a primitive.
-pub(super) fn read_all(root: &Json, warnings: &mut Warnings) -> Result<(Vec<Material>, u32), ImportError> {
-    let definitions = root.items("materials")?;
-    let mut materials = Vec::with_capacity(definitions.len() + 1);
-    for definition in &definitions {
-        materials.push(read(definition, warnings)?);
-    }
-    let default = materials.len() as u32;
-    let mut needs_default = false;
-    for mesh in root.items("meshes")? {
-        for primitive in mesh.items("primitives")? {
-            if primitive.get("material").is_none() {
-                needs_default = true;
-                let message = "primitives without a material are rendered as diffuse grey";
-                warnings.add(WarningKind::Approximation, primitive.pointer(), message);
-            }
-        }
-    }
-    if needs_default {
-        materials.push(default_material());
-    }
-    Ok((materials, default))
+/// All materials, in the file's order.
+pub(super) fn read_all(root: &Json, warnings: &mut Warnings) -> Result<Vec<Material>, ImportError> {
+    root.items("materials")?.iter().map(|definition| read(definition, warnings)).collect()
 }
 
 fn read(material: &Json, warnings: &mut Warnings) -> Result<Material, ImportError> {

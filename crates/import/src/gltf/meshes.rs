@@ -20,7 +20,7 @@ pub(super) struct Meshes<'a> {
     list: Vec<Mesh>,
     accessors: Accessors<'a>,
     n_materials: usize,
-    default_material: u32,
+    uses_default_material: bool,
 }
 
 /// `mode` of a primitive.
@@ -29,19 +29,20 @@ const TRIANGLE_STRIP: u64 = 5;
 const TRIANGLE_FAN: u64 = 6;
 
 impl<'a> Meshes<'a> {
-    pub fn new(
-        root: &Json<'a>,
-        accessors: Accessors<'a>,
-        default_material: u32,
-    ) -> Result<Self, ImportError> {
+    pub fn new(root: &Json<'a>, accessors: Accessors<'a>, n_materials: usize) -> Result<Self, ImportError> {
         Ok(Self {
             definitions: root.items("meshes")?,
             read: HashMap::new(),
             list: Vec::new(),
             accessors,
-            n_materials: root.items("materials")?.len(),
-            default_material,
+            n_materials,
+            uses_default_material: false,
         })
+    }
+
+    /// Whether a mesh has the material after the file's own, which is the default one.
+    pub fn uses_default_material(&self) -> bool {
+        self.uses_default_material
     }
 
     pub fn into_list(self) -> Vec<Mesh> {
@@ -74,7 +75,7 @@ impl<'a> Meshes<'a> {
 
     /// None for what is not triangles.
     fn primitive(
-        &self,
+        &mut self,
         primitive: &Json,
         name: String,
         warnings: &mut Warnings,
@@ -105,10 +106,7 @@ impl<'a> Meshes<'a> {
             );
             return Ok(None);
         }
-        let material = match primitive.get("material") {
-            Some(index) => index.index("material", self.n_materials)? as u32,
-            None => self.default_material,
-        };
+        let material = self.material(primitive, warnings)?;
         let vertices = Vertices::choose(corners, n_vertices);
         let picks = vertices.picks.as_deref();
         let positions = self.vectors(&position, picks, "vertex position")?;
@@ -124,6 +122,16 @@ impl<'a> Meshes<'a> {
             );
         }
         Ok(Some(Mesh { name, positions, normals, triangles: vertices.triangles, material }))
+    }
+
+    fn material(&mut self, primitive: &Json, warnings: &mut Warnings) -> Result<u32, ImportError> {
+        if let Some(index) = primitive.get("material") {
+            return Ok(index.index("material", self.n_materials)? as u32);
+        }
+        let message = "primitives without a material are rendered as diffuse grey";
+        warnings.add(WarningKind::Approximation, primitive.pointer(), message);
+        self.uses_default_material = true;
+        Ok(self.n_materials as u32)
     }
 
     /// The vertices of each triangle, checked.

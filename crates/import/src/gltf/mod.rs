@@ -18,7 +18,7 @@ use std::path::Path;
 use midway_scene::Scene;
 
 use crate::{
-    ImportError, Place,
+    ImportError, Place, default_material,
     files::{self, SceneFolder},
     warning::{WarningKind, Warnings},
 };
@@ -50,10 +50,13 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
     let mut folder = SceneFolder::of(path)?;
     let buffers = Buffers::load(&root, &mut folder, binary)?;
     let accessors = Accessors::new(&root, &buffers, bytes.len() as u64)?;
-    let (materials, default_material) = materials::read_all(&root, warnings)?;
-    let mut meshes = Meshes::new(&root, accessors, default_material)?;
+    let mut materials = materials::read_all(&root, warnings)?;
+    let mut meshes = Meshes::new(&root, accessors, materials.len())?;
     let placed = nodes::walk(&root, &mut meshes, warnings)?;
     unused::warn(&root, warnings)?;
+    if meshes.uses_default_material() {
+        materials.push(default_material());
+    }
     Ok(Scene { cameras: placed.cameras, meshes: meshes.into_list(), instances: placed.instances, materials })
 }
 
@@ -82,7 +85,7 @@ fn check_required_extensions(root: &Json) -> Result<(), ImportError> {
 fn warn_of_extensions(object: &Json, warnings: &mut Warnings) -> Result<(), ImportError> {
     if let Some(extensions) = object.get("extensions") {
         for (name, extension) in extensions.members()? {
-            if !SUPPORTED_EXTENSIONS.contains(&name) {
+            if !SUPPORTED_EXTENSIONS.contains(&name) && name != unused::LIGHTS {
                 warnings.add(WarningKind::Extension, extension.pointer(), unused_extension(name));
             }
         }

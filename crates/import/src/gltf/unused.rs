@@ -6,11 +6,14 @@ use crate::{
     warning::{WarningKind, Warnings},
 };
 
+/// Has a warning of its own kind.
+pub(super) const LIGHTS: &str = "KHR_lights_punctual";
+
 pub(super) fn warn(root: &Json, warnings: &mut Warnings) -> Result<(), ImportError> {
-    if let Some(lights) = root.extension("KHR_lights_punctual") {
+    if let Some(lights) = root.extension(LIGHTS) {
         let n = lights.items("lights")?.len();
         if n > 0 {
-            let message = format!("{n} point, spot or directional lights (KHR_lights_punctual) are not used");
+            let message = format!("{n} point, spot or directional lights ({LIGHTS}) are not used");
             warnings.add(WarningKind::Light, lights.pointer(), message);
         }
     }
@@ -27,7 +30,7 @@ pub(super) fn warn(root: &Json, warnings: &mut Warnings) -> Result<(), ImportErr
     warn_of_extensions(root, warnings)?;
     for used in root.items("extensionsUsed")? {
         let name = used.string()?;
-        if !SUPPORTED_EXTENSIONS.contains(&name) {
+        if !SUPPORTED_EXTENSIONS.contains(&name) && name != LIGHTS {
             warnings.add_once(WarningKind::Extension, used.pointer(), unused_extension(name));
         }
     }

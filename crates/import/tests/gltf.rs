@@ -1,0 +1,294 @@
+//! What glTF files come to.
+
+mod common;
+
+use std::f32::consts::FRAC_1_SQRT_2;
+
+use common::{data_uri, load_json, triangle, triangle_bytes, triangle_with};
+use glam::{Vec3, vec3};
+use midway_import::{Import, WarningKind};
+use midway_scene::{Material, Surface};
+use serde_json::{Value, json};
+
+fn import(document: &Value) -> Import {
+    load_json(document).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn kinds(import: &Import) -> Vec<WarningKind> {
+    import.warnings.iter().map(|w| w.kind).collect()
+}
+
+/// A material by its JSON, and the kinds of warning it gives. It emits, so that light is there.
+fn material(mut definition: Value) -> (Material, Vec<WarningKind>) {
+    if definition.get("emissiveFactor").is_none() {
+        definition["emissiveFactor"] = json!([1, 1, 1]);
+    }
+    let import = import(&triangle_with("/materials/0", definition));
+    (import.scene.materials[0].clone(), kinds(&import))
+}
+
+#[test]
+fn a_plain_file_has_no_warnings() {
+    let import = import(&triangle());
+    assert_eq!(import.warnings, []);
+    let mesh = &import.scene.meshes[0];
+    assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
+    assert_eq!(mesh.normals, [Vec3::Z; 3]);
+    assert_eq!(mesh.triangles, [[0, 1, 2]]);
+    let camera = &import.scene.cameras[0];
+    assert_eq!((camera.yfov, camera.position()), (0.7, vec3(0.0, 0.0, 3.0)));
+}
+
+#[test]
+fn diffuse_materials() {
+    let none = json!({"KHR_materials_specular": {"specularFactor": 0}});
+    let pbr = json!({"metallicFactor": 0, "baseColorFactor": [0.1, 0.2, 0.3, 0.4]});
+    let reflectance = vec3(0.1, 0.2, 0.3);
+    let (plain, warnings) = material(json!({"pbrMetallicRoughness": pbr, "extensions": none}));
+    assert_eq!((plain.surface, warnings), (Surface::Diffuse { reflectance }, vec![]));
+    let (layered, warnings) = material(json!({"pbrMetallicRoughness": pbr}));
+    assert_eq!(layered.surface, Surface::Diffuse { reflectance });
+    assert_eq!(warnings, [WarningKind::Approximation]);
+}
+
+#[test]
+fn metals_by_roughness() {
+    let metal = |roughness: f32| {
+        material(json!({"pbrMetallicRoughness":
+            {"metallicFactor": 1, "roughnessFactor": roughness, "baseColorFactor": [0.5, 0.5, 0.5, 1]}}))
+    };
+    let reflectance = Vec3::splat(0.5);
+    let approximated = vec![WarningKind::Approximation];
+    for (roughness, surface, warnings) in [
+        (0.0, Surface::Mirror { reflectance }, vec![]),
+        (0.3, Surface::Mirror { reflectance }, approximated.clone()),
+        (0.5, Surface::Diffuse { reflectance }, approximated),
+    ] {
+        let (found, kinds) = metal(roughness);
+        assert_eq!((found.surface, kinds), (surface, warnings), "{roughness}");
+    }
+}
+
+#[test]
+fn glass_thick_and_thin() {
+    let glass = |volume: Value, ior: Value| {
+        let mut extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
+        if !volume.is_null() {
+            extensions["KHR_materials_volume"] = volume;
+        }
+        if !ior.is_null() {
+            extensions["KHR_materials_ior"] = json!({"ior": ior});
+        }
+        let pbr = json!({"metallicFactor": 0, "roughnessFactor": 0, "baseColorFactor": [1, 0.5, 1, 1]});
+        let (found, warnings) = material(json!({"pbrMetallicRoughness": pbr, "extensions": extensions}));
+        assert_eq!(warnings, []);
+        found.surface
+    };
+    let tint = vec3(1.0, 0.5, 1.0);
+    let sheet = Surface::Dielectric { ior: 1.5, tint, sigma_a: Vec3::ZERO, thin: true };
+    assert_eq!(glass(Value::Null, Value::Null), sheet);
+    let clear = Surface::Dielectric { ior: 1.33, tint, sigma_a: Vec3::ZERO, thin: false };
+    assert_eq!(glass(json!({"thicknessFactor": 1}), json!(1.33)), clear);
+    let volume =
+        json!({"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0.36787944, 0]});
+    let Surface::Dielectric { sigma_a, .. } = glass(volume, Value::Null) else {
+        panic!("not glass");
+    };
+    assert_eq!(sigma_a.x, 0.0);
+    assert!((sigma_a.y - 0.5).abs() <= 1e-6);
+    assert!(sigma_a.z > 5.0 && sigma_a.z.is_finite());
+}
+
+#[test]
+fn emission_and_sides() {
+    let strength = json!({"KHR_materials_emissive_strength": {"emissiveStrength": 20}});
+    let emissive = json!({"emissiveFactor": [1, 0.5, 0], "doubleSided": true, "extensions": strength});
+    let (found, _) = material(emissive);
+    assert_eq!((found.emission, found.double_sided), (vec3(20.0, 10.0, 0.0), true));
+    assert!(!material(json!({})).0.double_sided);
+}
+
+#[test]
+fn each_unused_thing_is_listed_once() {
+    let mut document = triangle();
+    document["materials"][0]["normalTexture"] = json!({"index": 0});
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    document["materials"][0]["alphaMode"] = json!("BLEND");
+    document["materials"][0]["extensions"]["KHR_materials_sheen"] = json!({});
+    let twin = document["materials"][0].clone();
+    document["materials"].as_array_mut().unwrap().push(twin);
+    document["extensionsUsed"] =
+        json!(["KHR_materials_sheen", "KHR_materials_specular", "EXT_other", "KHR_lights_punctual"]);
+    document["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    document["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+    document["nodes"][0]["skin"] = json!(0);
+    document["animations"] = json!([{}, {}]);
+    document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(0);
+    document["meshes"][0]["primitives"][0]["targets"] = json!([{}]);
+    document["meshes"][0]["primitives"].as_array_mut().unwrap().push(json!({"attributes": {}, "mode": 0}));
+    document["cameras"].as_array_mut().unwrap().push(json!({"type": "orthographic", "orthographic": {}}));
+    document["nodes"].as_array_mut().unwrap().push(json!({"camera": 1}));
+    document["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    document["scenes"].as_array_mut().unwrap().push(json!({}));
+    let import = import(&document);
+    use WarningKind::*;
+    let mut expected = vec![
+        Texture,
+        Texture,
+        Extension,
+        Alpha,
+        Skin,
+        VertexColour,
+        MorphTarget,
+        Primitive,
+        Camera,
+        Light,
+        Animation,
+        Unused,
+        Extension,
+    ];
+    let mut found = kinds(&import);
+    let order = |k: &WarningKind| format!("{k:?}");
+    expected.sort_by_key(order);
+    found.sort_by_key(order);
+    assert_eq!(found, expected, "{:#?}", import.warnings);
+    let sheen = import.warnings.iter().find(|w| w.message.contains("sheen")).unwrap();
+    assert_eq!((sheen.place.as_str(), sheen.count), ("/materials/0/extensions/KHR_materials_sheen", 2));
+    assert!(sheen.to_string().contains("and 1 more"));
+}
+
+#[test]
+fn no_camera_and_no_light() {
+    let mut document = triangle_with("/materials/0/emissiveFactor", json!([0, 0, 0]));
+    document["scenes"][0]["nodes"] = json!([0]);
+    let import = import(&document);
+    assert_eq!(kinds(&import), [WarningKind::NoCamera, WarningKind::NoLight]);
+    assert_eq!(import.scene.cameras.len(), 1);
+}
+
+#[test]
+fn strips_and_fans_keep_their_front() {
+    let positions = [[0.0f32, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    let fan_order = [0usize, 1, 3, 2];
+    for (mode, order) in [(5, [0usize, 1, 2, 3]), (6, fan_order)] {
+        let bytes: Vec<u8> = order
+            .iter()
+            .flat_map(|&i| [positions[i][0], positions[i][1], 0.0])
+            .flat_map(f32::to_le_bytes)
+            .collect();
+        let mut document = triangle();
+        document["buffers"] = json!([{"byteLength": 48, "uri": data_uri(&bytes)}]);
+        document["bufferViews"] = json!([{"buffer": 0, "byteLength": 48}]);
+        document["accessors"] = json!([{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}]);
+        document["meshes"][0]["primitives"] =
+            json!([{"attributes": {"POSITION": 0}, "mode": mode, "material": 0}]);
+        let import = import(&document);
+        let triangles: Vec<_> = import.scene.world_triangles().collect();
+        assert_eq!(triangles.len(), 2);
+        for t in triangles {
+            assert_eq!(t.geometric_normal(), Some(Vec3::Z), "mode {mode}");
+            assert_eq!(t.normals, None);
+        }
+    }
+}
+
+/// Positions of 16 bits, normals of 8, normalized, with padding between: KHR_mesh_quantization.
+#[test]
+fn quantized_and_strided_attributes() {
+    let mut bytes = Vec::new();
+    for p in [[0i16, 0, 0], [32767, 0, 0], [0, -32767, -32768]] {
+        p.iter().for_each(|c| bytes.extend(c.to_le_bytes()));
+        bytes.extend([0, 0]);
+    }
+    bytes.extend([0, 0, 127, 0].repeat(3));
+    let mut document = triangle();
+    document["buffers"] = json!([{"byteLength": 36, "uri": data_uri(&bytes)}]);
+    document["bufferViews"] = json!([
+        {"buffer": 0, "byteLength": 24, "byteStride": 8},
+        {"buffer": 0, "byteOffset": 24, "byteLength": 12, "byteStride": 4}]);
+    document["accessors"] = json!([
+        {"bufferView": 0, "componentType": 5122, "normalized": true, "count": 3, "type": "VEC3"},
+        {"bufferView": 1, "componentType": 5120, "normalized": true, "count": 3, "type": "VEC3"}]);
+    document["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("indices");
+    let import = import(&document);
+    let mesh = &import.scene.meshes[0];
+    assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, vec3(0.0, -1.0, -1.0)]);
+    assert_eq!(mesh.normals, [Vec3::Z; 3]);
+}
+
+#[test]
+fn sparse_accessors_replace_elements() {
+    let mut bytes = triangle_bytes();
+    bytes.extend([2u8, 0, 0, 0]);
+    bytes.extend([5.0f32, 6.0, 7.0].iter().flat_map(|x| x.to_le_bytes()));
+    let mut document = triangle();
+    document["buffers"] = json!([{"byteLength": bytes.len(), "uri": data_uri(&bytes)}]);
+    let views = document["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({"buffer": 0, "byteOffset": 78, "byteLength": 4}));
+    views.push(json!({"buffer": 0, "byteOffset": 82, "byteLength": 12}));
+    document["accessors"][0]["sparse"] = json!({"count": 1,
+        "indices": {"bufferView": 3, "componentType": 5121}, "values": {"bufferView": 4}});
+    let replaced = vec3(5.0, 6.0, 7.0);
+    assert_eq!(import(&document).scene.meshes[0].positions, [Vec3::ZERO, Vec3::X, replaced]);
+    document["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    assert_eq!(import(&document).scene.meshes[0].positions, [Vec3::ZERO, Vec3::ZERO, replaced]);
+    document["accessors"][0]["sparse"]["count"] = json!(2);
+    assert!(load_json(&document).is_err());
+}
+
+#[test]
+fn normals_of_no_length_are_repaired() {
+    let mut bytes = triangle_bytes();
+    bytes[36..48].fill(0);
+    let import = import(&triangle_with("/buffers/0/uri", json!(data_uri(&bytes))));
+    assert_eq!(import.scene.meshes[0].normals[0], Vec3::Z);
+    assert_eq!(kinds(&import), [WarningKind::Repaired]);
+}
+
+#[test]
+fn few_vertices_of_a_long_accessor_are_picked() {
+    let mut bytes: Vec<u8> =
+        (0..300).flat_map(|i| [i as f32, (i * i) as f32, 0.0]).flat_map(f32::to_le_bytes).collect();
+    bytes.extend([10u16, 200, 299].iter().flat_map(|i| i.to_le_bytes()));
+    let mut document = triangle();
+    document["buffers"] = json!([{"byteLength": 3606, "uri": data_uri(&bytes)}]);
+    document["bufferViews"] =
+        json!([{"buffer": 0, "byteLength": 3600}, {"buffer": 0, "byteOffset": 3600, "byteLength": 6}]);
+    document["accessors"] = json!([
+        {"bufferView": 0, "componentType": 5126, "count": 300, "type": "VEC3"},
+        {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}]);
+    document["meshes"][0]["primitives"] =
+        json!([{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]);
+    let mesh = &import(&document).scene.meshes[0];
+    assert_eq!(mesh.positions.iter().map(|p| p.x).collect::<Vec<_>>(), [10.0, 200.0, 299.0]);
+    assert_eq!(mesh.triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn transforms_compose_and_cameras_lose_their_scale() {
+    let mut document = triangle();
+    document["scenes"][0]["nodes"] = json!([2]);
+    document["nodes"].as_array_mut().unwrap().push(json!({
+        "children": [0, 1], "scale": [2, 2, 2],
+        "rotation": [0, FRAC_1_SQRT_2, 0, FRAC_1_SQRT_2], "translation": [0, 10, 0]}));
+    let import = import(&document);
+    let t = import.scene.world_triangles().next().unwrap();
+    assert!(t.positions[1].distance(vec3(0.0, 10.0, -2.0)) <= 1e-5);
+    let camera = &import.scene.cameras[0];
+    assert!(camera.position().distance(vec3(6.0, 10.0, 0.0)) <= 1e-5);
+    let forward = camera.world_from_camera.transform_vector3(Vec3::NEG_Z);
+    assert!(forward.distance(Vec3::NEG_X) <= 1e-5);
+}
+
+#[test]
+fn instances_share_their_mesh() {
+    let mut document = triangle();
+    document["nodes"].as_array_mut().unwrap().push(json!({"mesh": 0, "scale": [-1, 1, 1]}));
+    document["nodes"].as_array_mut().unwrap().push(json!({"mesh": 0, "scale": [0, 1, 1]}));
+    document["scenes"][0]["nodes"] = json!([0, 1, 2, 3]);
+    let import = import(&document);
+    let counts = import.scene.counts();
+    assert_eq!((counts.meshes, counts.instances, counts.triangles), (1, 2, 2));
+    assert_eq!(kinds(&import), [WarningKind::Unused]);
+    assert!(import.scene.world_triangles().all(|t| t.geometric_normal() == Some(Vec3::Z)));
+}

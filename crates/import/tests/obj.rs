@@ -1,0 +1,111 @@
+//! What OBJ and MTL files come to.
+
+mod common;
+
+use common::{Folder, load_bytes};
+use glam::{Vec3, vec3};
+use midway_import::{Import, WarningKind, load};
+use midway_scene::{Material, Surface};
+
+/// Two triangles that share an edge, folded by a right angle.
+const FOLDED: &str = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\n";
+
+fn kinds(import: &Import) -> Vec<WarningKind> {
+    let of_any = [WarningKind::NoCamera, WarningKind::NoLight];
+    import.warnings.iter().map(|w| w.kind).filter(|k| !of_any.contains(k)).collect()
+}
+
+fn material(lines: &str) -> (Material, Vec<WarningKind>) {
+    let folder = Folder::new();
+    folder.write("m.mtl", format!("# comment\nnewmtl a b\n{lines}\n"));
+    let scene = folder.write("scene.obj", format!("mtllib m.mtl\n{FOLDED}usemtl a b\nf 1 2 3\n"));
+    let import = load(&scene).unwrap_or_else(|e| panic!("{e}"));
+    (import.scene.materials[0].clone(), kinds(&import))
+}
+
+#[test]
+fn materials() {
+    use WarningKind::{Alpha, Approximation, Repaired, Texture, Unused};
+    let diffuse = |r| Surface::Diffuse { reflectance: Vec3::splat(r) };
+    let mirror = |r| Surface::Mirror { reflectance: Vec3::splat(r) };
+    let glass =
+        |ior, tint| Surface::Dielectric { ior, tint: Vec3::splat(tint), sigma_a: Vec3::ZERO, thin: false };
+    for (lines, surface, warnings) in [
+        ("Kd 0.5 0.5 0.5", diffuse(0.5), vec![]),
+        ("Kd 0.5\nKs 0 0 0\nillum 2", diffuse(0.5), vec![]),
+        ("Kd 0.5\nKs 0.9\nNs 500\nillum 1", diffuse(0.5), vec![]),
+        ("Kd 0.5\nKs 0.1\nNs 500\nillum 2", diffuse(0.5), vec![Approximation]),
+        ("Kd 0.1\nKs 0.9\nNs 5\nillum 2", diffuse(0.1), vec![Approximation]),
+        ("Kd 0.1\nKs 0.9\nNs 500\nillum 2", mirror(0.9), vec![Approximation]),
+        ("Kd 0\nKs 0.9\nillum 3", mirror(0.9), vec![]),
+        ("Kd 0\nKs 0.9\nillum 5", mirror(0.9), vec![]),
+        ("Ni 1.4\nTf 0.5 0.5 0.5\nillum 7", glass(1.4, 0.5), vec![]),
+        ("Ni 1.4\nTf 0 0 0\nillum 6", glass(1.4, 1.0), vec![Repaired]),
+        ("illum 4", glass(1.5, 1.0), vec![Repaired]),
+        ("Kd 0.5\nd 0.1\nNi 1.4", glass(1.4, 1.0), vec![Alpha]),
+        ("Kd 0.5\nTr 0.9\nNi 1.4", glass(1.4, 1.0), vec![Alpha]),
+        ("Kd 0.5\nd 0.9\nNi 1.4", diffuse(0.5), vec![Alpha]),
+        ("Kd 0.5\nd 0.1", diffuse(0.5), vec![Alpha]),
+        ("Kd 1.5", diffuse(1.0), vec![Repaired]),
+        ("Kd 0.5\nmap_Kd a.png\nbump b.png", diffuse(0.5), vec![Texture, Texture]),
+        ("Kd 0.5\nPr 0.3", diffuse(0.5), vec![Unused]),
+    ] {
+        let (found, kinds) = material(lines);
+        assert_eq!((found.surface, kinds), (surface, warnings), "{lines:?}");
+    }
+    let (light, _) = material("Kd 0\nKe 10 5 1");
+    assert_eq!((light.emission, light.double_sided), (vec3(10.0, 5.0, 1.0), false));
+}
+
+#[test]
+fn flat_smooth_and_given_normals() {
+    let import = load_bytes("a.obj", format!("{FOLDED}f 1 2 3\nf 1 4 2\n")).unwrap();
+    assert!(import.scene.meshes[0].normals.is_empty());
+    assert_eq!(import.scene.meshes[0].positions.len(), 4);
+
+    let import = load_bytes("a.obj", format!("{FOLDED}s 1\nf 1 2 3\nf 1 4 2\n")).unwrap();
+    let mesh = &import.scene.meshes[0];
+    let shared = mesh.positions.iter().position(|p| *p == Vec3::Y).unwrap();
+    assert!(mesh.normals[shared].distance(vec3(-1.0, 0.0, -1.0).normalize()) <= 1e-6);
+
+    let import = load_bytes("a.obj", format!("{FOLDED}s 1\nf 1 2 3\ns 2\nf 1 4 2\n")).unwrap();
+    let normals = &import.scene.meshes[0].normals;
+    assert!(normals.iter().all(|n| *n == Vec3::NEG_Z || *n == Vec3::NEG_X), "{normals:?}");
+
+    let import =
+        load_bytes("a.obj", format!("{FOLDED}vn 0 0 2\ns off\nf 1//1 2//1 3//1\nf 1 4 2\n")).unwrap();
+    assert_eq!(import.scene.meshes.len(), 2);
+    assert_eq!(import.scene.meshes[0].normals, [Vec3::Z; 3]);
+    assert!(import.scene.meshes[1].normals.is_empty());
+}
+
+#[test]
+fn polygons_negative_indices_and_continued_lines() {
+    let text = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf -6 -5 -4 \\\n -3 -2 -1\nf 1/1\n";
+    let error = load_bytes("a.obj", text).unwrap_err().to_string();
+    assert!(error.contains("a.obj:9"), "{error}");
+    let import = load_bytes("a.obj", text.replace("f 1/1\n", "f 1 2\n")).unwrap();
+    let area: f32 = import.scene.world_triangles().map(|t| t.area()).sum();
+    assert!((area - 3.0).abs() <= 1e-6);
+    assert!(import.scene.world_triangles().all(|t| t.geometric_normal() == Some(Vec3::Z)));
+    assert_eq!(kinds(&import), [WarningKind::Primitive, WarningKind::Approximation]);
+}
+
+#[test]
+fn missing_libraries_and_materials_are_done_without() {
+    let import = load_bytes("a.obj", format!("mtllib none.mtl\n{FOLDED}usemtl b\nf 1 2 3\n")).unwrap();
+    assert_eq!(kinds(&import), [WarningKind::MissingFile, WarningKind::Approximation]);
+    assert_eq!(import.warnings[0].place, "a.obj:1");
+    assert_eq!(import.warnings[1].place, "a.obj:7");
+    let surface = Surface::Diffuse { reflectance: Vec3::splat(0.8) };
+    assert_eq!(import.scene.materials[0].surface, surface);
+}
+
+#[test]
+fn unused_things_are_listed_once() {
+    let text = format!("{FOLDED}v 0 0 0 1 0 0\nv 0 0 0 1 0 0\nvp 1\ncurv 1\nl 1 2\np 1\nf 1 2 3\n");
+    let import = load_bytes("a.obj", text).unwrap();
+    use WarningKind::{Approximation, Primitive, Unused, VertexColour};
+    assert_eq!(kinds(&import), [VertexColour, Unused, Unused, Primitive, Approximation]);
+    assert_eq!(import.warnings[0].count, 2);
+}
