@@ -34,6 +34,20 @@ macro_rules! probes {
 probes! {
     /// Closest hit of rays with triangles in a BVH2, while-while.
     traverse TRAVERSE;
+    /// Integer semantics.
+    integers INTEGERS;
+    /// Float semantics.
+    floats FLOATS;
+    /// Functions that may be off by some ulps.
+    transcendentals TRANSCENDENTALS;
+    /// Vectors and matrices.
+    vectors VECTORS;
+    /// Packing.
+    packing PACKING;
     /// Statements.
     control CONTROL;
+    /// Layouts in buffers.
+    layouts LAYOUTS;
+    /// Atomics.
+    atomics ATOMICS;
 }

@@ -1,25 +1,121 @@
-const T = array<f32, 4>(1.0, 2.0, 3.0, 4.0);
-const PI: f32 = 3.0;
-struct S { a: vec3<f32>, b: u32, c: array<vec2<f32>, 3> }
-struct Head { n: atomic<u32>, items: array<S> }
-@group(0) @binding(0) var<storage, read_write> head: Head;
-var<private> seed: u32 = 3u;
-fn h(p: ptr<function, vec3<f32>>, q: ptr<private, u32>) -> f32 { (*p).x = 2.0; *q += 1u; return (*p).y; }
-fn pick(i: u32, s: S) -> f32 { var k = array<f32,3>(1.,2.,3.); let a = k; return T[i] * PI * s.c[i].x + a[i]; }
-fn lg(a: bool, b: bool, x: f32) -> u32 {
-  if (a && b || x > 2.0) { return 1u; }
-  var s = 0u;
-  for (var i = 0u; i < 10u; i++) { var z: array<u32, 4>; if (i == 3u) { continue; } z[i] = s; s += i; switch i { case 1, 2: { s += 2u; } case default { break; } case 7u: { s = 1u; if a { break; } s+= 4u; } } }
-  loop { let q = s * 2u; s += 1u; continuing { s += q; break if s > 10u; } }
-  return s;
+// Statements: loops, switches, early returns, pointers, private variables. One invocation is one
+// number.
+
+@group(0) @binding(0) var<storage, read> inputs: array<u32>;
+@group(0) @binding(1) var<storage, read_write> outputs: array<array<u32, 8>>;
+
+const PRIMES = array<u32, 5>(2u, 3u, 5u, 7u, 11u);
+
+struct Pair { first: u32, second: array<u32, 3> }
+
+var<private> state: u32 = 17u;
+var<private> calls: u32;
+var<private> drawn: array<u32, 2>;
+
+fn collatz(start: u32) -> u32 {
+    var n = start % 1000u + 1u;
+    var steps = 0u;
+    while n != 1u && steps < 200u {
+        if n % 2u == 0u { n /= 2u; } else { n = 3u * n + 1u; }
+        steps++;
+    }
+    return steps;
 }
-@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-  var s: S; var w: vec3<f32>; 
-  _ = h(&w, &seed); _ = h(&s.a, &seed);
-  let r = atomicCompareExchangeWeak(&head.n, 1u, 2u);
-  if r.exchanged { s.b = r.old_value; }
-  head.items[id.x] = s; head.items[id.x].c[1].y = mix(1.0, 2.0, s.a.x);
-  let m = mix(w, vec3(1.0), 0.5); w.y += m[id.x]; let l = arrayLength(&head.items);
-  let fr = frexp(w.x); let md = modf(w); let cl = clamp(w, vec3(0.), vec3(1.)); w = w * 2.0 + 1.0;
-  let sel = select(w, m, w < m); let mm = mat3x3<f32>(w, m, cl) * w; let sh = vec2<u32>(1u,2u) << vec2(3u);
+
+fn skip(n: u32) -> u32 {
+    var sum = 0u;
+    for (var i = 0u; i < n % 50u; i++) {
+        var digits: array<u32, 4>;
+        if i % 3u == 0u { continue; }
+        digits[i % 4u] += i;
+        switch i % 7u {
+            case 1u, 2u: { continue; }
+            case 3u: { if i > 20u { break; } sum += 100u; }
+            default: { sum += digits[0] + digits[1]; }
+            case 5u: { sum ^= i; }
+        }
+        if sum > 5000u { return sum; }
+        sum += digits[2] + digits[3];
+    }
+    return sum;
+}
+
+fn continuing_reads_the_body(n: u32) -> u32 {
+    var i = 0u;
+    var sum = 0u;
+    loop {
+        let doubled = 2u * i;
+        var twice = doubled + 1u;
+        i += 1u;
+        if i % 3u == 1u { continue; }
+        sum += twice;
+        continuing {
+            sum += doubled;
+            break if i > n % 20u;
+        }
+    }
+    return sum;
+}
+
+fn bump(at: ptr<function, u32>, by: u32) -> u32 {
+    let before = *at;
+    *at = before + by;
+    return before;
+}
+
+fn rotate(values: ptr<function, array<u32, 3>>) {
+    let last = (*values)[2];
+    for (var i = 2; i > 0; i--) { (*values)[i] = (*values)[i - 1]; }
+    (*values)[0] = last;
+}
+
+fn next() -> u32 {
+    state = state * 1664525u + 1013904223u;
+    calls += 1u;
+    return state >> 8u;
+}
+
+fn draw_into(place: ptr<private, u32>) { *place = *place + next(); }
+
+fn pointers(n: u32) -> u32 {
+    var pair = Pair(n, array<u32, 3>(1u, 2u, 3u));
+    let at = &pair.second[n % 3u];
+    var seen = bump(at, 10u) + bump(&pair.first, *at);
+    rotate(&pair.second);
+    let copy = pair;
+    pair = Pair();
+    _ = bump(&pair.first, 1u);
+    return seen + 7u * copy.second[n % 3u] + 31u * copy.first + pair.first + copy.second[0];
+}
+
+fn choose(n: u32) -> i32 {
+    switch i32(n % 6u) - 2 {
+        case -2: { return 5; }
+        case -1, 0: { return -7; }
+        case 3: { if n > 100u { return 1; } return 2; }
+        default: { return 0; }
+    }
+}
+
+fn guarded(n: u32, limit: u32) -> bool {
+    return n < limit && (PRIMES[n] == 5u || bump_is_even(n)) || n == 1000u;
+}
+
+fn bump_is_even(n: u32) -> bool {
+    var local = n;
+    return bump(&local, 1u) % 2u == 0u;
+}
+
+@compute @workgroup_size(64)
+fn control(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32,
+           @builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    if id.x >= arrayLength(&inputs) { return; }
+    let n = inputs[id.x];
+    let first = next() ^ next();
+    draw_into(&drawn[n % 2u]);
+    outputs[id.x] = array<u32, 8>(
+        collatz(n), skip(n), continuing_reads_the_body(n), pointers(n), u32(choose(n)),
+        first + drawn[0] * calls + 3u * drawn[1], u32(guarded(n % 9u, 5u)) + 2u * PRIMES[n % 5u],
+        lane + 64u * group.x + 1000u * groups.x,
+    );
 }

@@ -67,12 +67,9 @@ impl FunctionWriter<'_> {
             Expression::Splat { size, value } => {
                 Ok(Text::atom(format!("Vec{}::splat({})", size as u32, self.value(value)?.code)))
             }
-            Expression::Swizzle { size, vector, pattern } => {
-                let vector = self.value(vector)?.operand();
-                let components: Vec<String> = pattern[..size as usize]
-                    .iter()
-                    .map(|&component| format!("{vector}.{}", COMPONENTS[component as usize]))
-                    .collect();
+            Expression::Swizzle { size, .. } => {
+                let components: Vec<_> =
+                    self.components(handle, size)?.into_iter().map(|component| component.code).collect();
                 Ok(Text::atom(format!("Vec{}::new({})", size as u32, components.join(", "))))
             }
             Expression::FunctionArgument(index) => Ok(self.arguments[index as usize].clone()),
@@ -97,17 +94,25 @@ impl FunctionWriter<'_> {
         let is_vector = matches!(self.module.types[ty].inner, TypeInner::Vector { .. });
         let mut parts = Vec::new();
         for &component in components {
-            let part = self.value(component)?;
             match *self.inner(component) {
                 TypeInner::Vector { size, .. } if is_vector => {
-                    let vector = part.operand();
-                    let names = &COMPONENTS[..size as usize];
-                    parts.extend(names.iter().map(|name| Text::atom(format!("{vector}.{name}"))));
+                    parts.extend(self.components(component, size)?)
                 }
-                _ => parts.push(part),
+                _ => parts.push(self.value(component)?),
             }
         }
         literal::compose(self.module, self.names, ty, &parts)
+    }
+
+    /// The components of a vector one by one.
+    fn components(&self, vector: Handle<Expression>, size: naga::VectorSize) -> Result<Vec<Text>> {
+        let (vector, pattern) = match self.function.expressions[vector] {
+            Expression::Swizzle { vector, pattern, .. } => (vector, pattern),
+            _ => (vector, naga::SwizzleComponent::XYZW),
+        };
+        let vector = self.value(vector)?.operand();
+        let names = pattern[..size as usize].iter().map(|&component| COMPONENTS[component as usize]);
+        Ok(names.map(|name| Text::atom(format!("{vector}.{name}"))).collect())
     }
 
     /// A component, column or element of a value, by an index that is computed.

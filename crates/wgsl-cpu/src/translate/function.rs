@@ -14,7 +14,7 @@ use super::{
     names::{Names, Scope},
     schedule::Schedule,
     statement::Frame,
-    types::rust_type,
+    types::{plain_type, rust_type},
 };
 
 /// Functions with at most this many expressions and no loop are always inlined.
@@ -146,6 +146,14 @@ impl<'a> FunctionWriter<'a> {
     /// The type of an expression.
     pub(super) fn inner(&self, expression: Handle<Expression>) -> &TypeInner {
         self.info[expression].ty.inner_with(&self.module.types)
+    }
+
+    /// The Rust type of an expression that is a value.
+    pub(super) fn value_type(&self, expression: Handle<Expression>) -> Result<String> {
+        match self.info[expression].ty.handle() {
+            Some(ty) => rust_type(self.module, self.names, ty),
+            None => plain_type(self.inner(expression)),
+        }
     }
 
     fn write(mut self, keyword: &str, name: &str) -> Result<String> {

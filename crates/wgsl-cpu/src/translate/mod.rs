@@ -77,7 +77,8 @@ pub struct Translation {
 /// what the CPU does not have (the crate's README names the supported subset).
 pub fn translate(wgsl: &str) -> Result<Translation, TranslateError> {
     let module = naga::front::wgsl::parse_str(wgsl).map_err(|error| TranslateError::parse(wgsl, &error))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+    // What WGSL has without extensions; `pack2x16float` is an extension to naga alone.
+    let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
         .validate(&module)
         .map_err(|error| TranslateError::validation(wgsl, &error))?;
     module::translate(wgsl, &module, &info).map_err(|unsupported| unsupported.at(wgsl))

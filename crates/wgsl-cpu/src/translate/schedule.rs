@@ -152,7 +152,10 @@ impl Walk<'_> {
     fn repeats(&self, user: Handle<Expression>, operand: Handle<Expression>) -> bool {
         match self.function.expressions[user] {
             Expression::Swizzle { .. } => true,
-            Expression::Compose { .. } => self.is_vector(user) && self.is_vector(operand),
+            Expression::Compose { .. } => {
+                let is_swizzle = matches!(self.function.expressions[operand], Expression::Swizzle { .. });
+                self.is_vector(user) && self.is_vector(operand) && !is_swizzle
+            }
             _ => false,
         }
     }
@@ -214,7 +217,7 @@ fn statement_operands(statement: &Statement) -> Vec<Handle<Expression>> {
     }
 }
 
-/// Whether `block` uses an expression that is in `expressions`.
+/// Those of `expressions` that `block`, or the condition at its end, needs by name.
 pub(super) fn used_in(
     function: &Function,
     block: &Block,
@@ -238,8 +241,9 @@ pub(super) fn used_in(
         if seen.insert(expression) {
             if expressions.contains(&expression) {
                 used.insert(expression);
+            } else {
+                pending.extend(operands(&function.expressions[expression]));
             }
-            pending.extend(operands(&function.expressions[expression]));
         }
     }
     used

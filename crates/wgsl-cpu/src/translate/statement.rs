@@ -80,15 +80,8 @@ impl FunctionWriter<'_> {
 
     /// Gives an expression its value here, unless it is written where it is used.
     fn emit(&mut self, expression: Handle<Expression>) -> Result<()> {
-        let is_pointer = self.inner(expression).pointer_space().is_some();
-        let is_named = self.function.named_expressions.contains_key(&expression);
-        let is_unnamed_trivial = is_trivial(&self.function.expressions[expression]) && !is_named;
-        if self.info[expression].ref_count == 0
-            || self.schedule.is_initial(expression)
-            || is_pointer
-            || is_unnamed_trivial
-        {
-            // Pointers are followed where they are used, but their indexes are evaluated by now.
+        let is_unused = self.info[expression].ref_count == 0 || self.schedule.is_initial(expression);
+        if is_unused || !self.takes_name(expression) {
             return Ok(());
         }
         let text = self.compute(expression)?;
@@ -98,6 +91,14 @@ impl FunctionWriter<'_> {
             self.define(expression, &text.code);
         }
         Ok(())
+    }
+
+    /// Whether an expression is worth a name, or must have its value before it is used. Pointers
+    /// are followed where they are used; their indexes are evaluated by then.
+    fn takes_name(&self, expression: Handle<Expression>) -> bool {
+        let is_named = self.function.named_expressions.contains_key(&expression);
+        let is_pointer = self.inner(expression).pointer_space().is_some();
+        !is_pointer && (is_named || !is_trivial(&self.function.expressions[expression]))
     }
 
     /// `let name = code;`
@@ -276,7 +277,9 @@ impl FunctionWriter<'_> {
         let has_end = !continuing.is_empty() || break_if.is_some();
         let is_block = has_end && has_continue(body);
         let hoisted = if is_block {
-            used_in(self.function, continuing, break_if, &evaluated_in(body))
+            let mut named = evaluated_in(body);
+            named.retain(|&expression| self.takes_name(expression));
+            used_in(self.function, continuing, break_if, &named)
         } else {
             HashSet::new()
         };
@@ -300,7 +303,7 @@ impl FunctionWriter<'_> {
         hoisted: HashSet<Handle<Expression>>,
     ) -> Result<()> {
         if self.frames.last().is_some_and(|frame| frame.kind == FrameKind::Loop { is_block: true }) {
-            self.declare(hoisted);
+            self.declare(hoisted)?;
             self.line(&format!("'continue_{number}: {{"));
             self.indented(|this| this.block(body, false))?;
             self.line("}");
@@ -316,16 +319,15 @@ impl FunctionWriter<'_> {
     }
 
     /// Declares expressions that get their value in a block but outlive it.
-    fn declare(&mut self, hoisted: HashSet<Handle<Expression>>) {
+    fn declare(&mut self, hoisted: HashSet<Handle<Expression>>) -> Result<()> {
         let mut hoisted: Vec<_> = hoisted.into_iter().collect();
         hoisted.sort_by_key(|expression| expression.index());
         for expression in hoisted {
-            let is_pointer = self.inner(expression).pointer_space().is_some();
-            if !is_pointer && !is_trivial(&self.function.expressions[expression]) {
-                let name = self.name(expression);
-                self.line(&format!("let {name};"));
-            }
+            let ty = self.value_type(expression)?;
+            let name = self.name(expression);
+            self.line(&format!("let {name}: {ty};"));
         }
+        Ok(())
     }
 
     fn push_frame(&mut self, kind: FrameKind) -> usize {
@@ -442,7 +444,7 @@ impl FunctionWriter<'_> {
         arguments: &[Handle<Expression>],
         result: Option<Handle<Expression>>,
     ) -> Result<()> {
-        self.refuse_aliases(arguments)?;
+        self.refuse_aliases(function, arguments)?;
         let reach = Reach::new(self.module, &self.module_info[function]);
         let mut codes = Vec::new();
         codes.extend(reach.globals.then(|| "globals".to_owned()));
@@ -471,7 +473,7 @@ impl FunctionWriter<'_> {
     }
 
     /// A callee that has all private variables cannot also have a reference to one: it gets one to
-    /// a copy. WGSL forbids that it uses both.
+    /// a copy, which is the same where it does not use that variable itself.
     fn copy_private(&mut self, argument: Handle<Expression>, back: &mut Vec<String>) -> Result<String> {
         let Place::Variable { code, .. } = self.place(argument)? else {
             return self.reference(argument);
@@ -494,13 +496,19 @@ impl FunctionWriter<'_> {
         }
     }
 
-    /// Two pointers into one variable: WGSL forbids it where one is written, naga does not look.
-    fn refuse_aliases(&self, arguments: &[Handle<Expression>]) -> Result<()> {
+    /// Two ways to one variable: WGSL forbids it where one of them writes, naga does not look.
+    fn refuse_aliases(&self, callee: Handle<Function>, arguments: &[Handle<Expression>]) -> Result<()> {
         let is_pointer = |argument: &&Handle<Expression>| self.inner(**argument).pointer_space().is_some();
-        let pointers: Vec<_> = arguments.iter().filter(is_pointer).collect();
-        for (at, &&pointer) in pointers.iter().enumerate() {
-            if pointers[..at].iter().any(|&&other| self.root(other) == self.root(pointer)) {
+        let roots: Vec<_> = arguments.iter().filter(is_pointer).map(|&pointer| self.root(pointer)).collect();
+        for (at, &root) in roots.iter().enumerate() {
+            if roots[..at].contains(&root) {
                 return Err(Unsupported::new("passing two pointers into one variable", Span::UNDEFINED));
+            }
+            if let Expression::GlobalVariable(global) = *root
+                && !self.module_info[callee][global].is_empty()
+            {
+                let construct = "passing a pointer to a variable that the function also uses";
+                return Err(Unsupported::new(construct, Span::UNDEFINED));
             }
         }
         Ok(())
