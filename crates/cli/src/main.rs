@@ -1,2 +1,59 @@
 //! The program `midway`.
-fn main() {}
+//!
+//! What was typed is parsed in [`args`]; [`render`], [`compare`], [`info`] and [`devices`] do the
+//! work; [`status`] lists every exit code. Results for other programs go to standard output,
+//! everything for people to standard error.
+
+mod args;
+mod compare;
+mod console;
+mod devices;
+mod guard;
+mod info;
+mod render;
+mod scene_file;
+mod status;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::{
+    args::{Cli, Command},
+    status::{Outcome, Status},
+};
+
+fn main() -> ExitCode {
+    let status = guard::catching_panics(run);
+    ExitCode::from(status.code())
+}
+
+fn run() -> Status {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return report_usage(&error),
+    };
+    match dispatch(cli.command) {
+        Ok(status) => status,
+        Err(failure) => {
+            console::error(&failure.to_line());
+            failure.status
+        }
+    }
+}
+
+/// Help and version go to standard output and are no failure; the rest names the mistake.
+fn report_usage(error: &clap::Error) -> Status {
+    // Nothing is left to tell it to if this fails.
+    let _ = error.print();
+    if error.use_stderr() { Status::Usage } else { Status::Success }
+}
+
+fn dispatch(command: Command) -> Outcome<Status> {
+    match command {
+        Command::Render(args) => render::run(&args),
+        Command::Compare(args) => compare::run(&args).map(|()| Status::Success),
+        Command::Info(args) => info::run(&args).map(|()| Status::Success),
+        Command::Devices(args) => devices::run(&args).map(|()| Status::Success),
+    }
+}

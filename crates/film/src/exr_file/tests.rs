@@ -1,6 +1,8 @@
 //! Round trips, foreign files, hostile files.
 
-use std::{fs, path::Path};
+use std::{fs, io::Cursor, path::Path};
+
+use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, WritableImage, f16};
 
 use super::*;
 use crate::{FilmError, Image, Metadata, Value};
@@ -123,6 +125,49 @@ fn a_wrong_shape_is_not_written() {
     let image = Image { width: 3, height: 3, pixels: vec![[0.0; 3]; 8] };
     assert!(matches!(write_exr(&path, &image, None, &Metadata::new()), Err(FilmError::BadShape { .. })));
     assert!(!path.exists());
+}
+
+/// A file as another program might write it: `(channel, samples)`, 4 x 2 pixels.
+fn foreign(channels: Vec<(&str, FlatSamples)>) -> Vec<u8> {
+    let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
+    let image = exr::image::Image::from_channels((4, 2), AnyChannels::sort(list));
+    let mut bytes = Vec::new();
+    image.write().non_parallel().to_buffered(Cursor::new(&mut bytes)).unwrap();
+    bytes
+}
+
+fn float(value: f32) -> FlatSamples {
+    FlatSamples::F32(vec![value; 8])
+}
+
+#[test]
+fn layers_halves_and_luminance_are_read() {
+    let half = FlatSamples::F16(vec![f16::from_f32(0.5); 8]);
+    let beauty = [("beauty.R", half), ("beauty.G", float(2.0)), ("beauty.B", float(3.0))];
+    let others =
+        [("mask.Y", FlatSamples::U32(vec![1; 8])), ("beauty.A", float(1.0)), ("depth.Z", float(9.0))];
+    let file = read_bytes(&foreign(beauty.into_iter().chain(others).collect())).unwrap();
+    assert_eq!(file.layer_names(), ["beauty", "mask"]);
+    assert_eq!(file.image().unwrap(), Image::filled(4, 2, [0.5, 2.0, 3.0]));
+    assert_eq!(file.layer("mask"), Some(Image::filled(4, 2, [1.0; 3])));
+    assert_eq!(file.channel("depth.Z"), Some(&[9.0; 8][..]));
+    assert_eq!(file.layer("depth"), None);
+}
+
+#[test]
+fn the_picture_is_found_or_its_absence_named() {
+    let rgb = |layer: &str| -> Vec<(String, FlatSamples)> {
+        ["R", "G", "B"].iter().map(|c| (format!("{layer}.{c}"), float(0.25))).collect()
+    };
+    let file = |names: &[(String, FlatSamples)]| {
+        read_bytes(&foreign(names.iter().map(|(name, s)| (name.as_str(), s.clone())).collect())).unwrap()
+    };
+    let blender = [rgb("ViewLayer.Combined"), rgb("ViewLayer.Normal")].concat();
+    assert_eq!(file(&blender).image().unwrap(), Image::filled(4, 2, [0.25; 3]));
+    assert!(file(&rgb("anything")).image().is_ok());
+    let error = file(&[rgb("one"), rgb("two")].concat()).image().unwrap_err().to_string();
+    assert!(error.contains("one.R") && error.contains("two.B"), "{error}");
+    assert!(read_bytes(&foreign(vec![("Z", float(1.0))])).unwrap().image().is_err());
 }
 
 #[test]

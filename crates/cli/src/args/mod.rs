@@ -1,0 +1,101 @@
+//! The command line as typed. Every flag is declared here, once.
+
+mod render;
+mod values;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::status::Status;
+
+pub use render::RenderArgs;
+pub use values::{
+    CropArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg, ToneMapArg,
+    Vec3Arg,
+};
+
+/// A bidirectional path tracer for the GPU, and for the bare CPU.
+#[derive(Debug, Parser)]
+#[command(name = "midway", version, after_help = exit_codes(), disable_help_subcommand = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to EXR and PNG.
+    Render(Box<RenderArgs>),
+    /// Measure how far an image is from a reference.
+    Compare(CompareArgs),
+    /// Say what a scene file holds.
+    Info(InfoArgs),
+    /// List the devices of this machine.
+    Devices(DevicesArgs),
+}
+
+/// `midway compare`.
+#[derive(Args, Debug)]
+pub struct CompareArgs {
+    /// The image to judge (EXR).
+    pub test: PathBuf,
+    /// What it should look like (EXR).
+    pub reference: PathBuf,
+    /// Print one JSON object: mae, rmse, relmse, flip, mean_ratio.
+    #[arg(long)]
+    pub json: bool,
+    /// Write the FLIP error map as a PNG in magma colours.
+    #[arg(long, value_name = "PNG")]
+    pub heatmap: Option<PathBuf>,
+}
+
+/// `midway info`.
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    /// The scene (.gltf, .glb, .obj).
+    pub scene: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `midway devices`.
+#[derive(Args, Debug)]
+pub struct DevicesArgs {
+    /// Print a JSON array.
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn exit_codes() -> String {
+    let lines = Status::ALL.map(|status| format!("  {:>2}  {}", status.code(), status.meaning()));
+    format!("Exit codes:\n{}", lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_declarations_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_flag_is_in_the_help_with_a_description() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.clone().render_help().to_string();
+            for argument in command.get_arguments() {
+                let name = argument.get_long().map(|long| format!("--{long}"));
+                let name = name.unwrap_or_else(|| argument.get_id().to_string().to_uppercase());
+                assert!(help.contains(&name), "{} does not show {name}", command.get_name());
+                assert!(argument.get_help().is_some(), "{name} has no description");
+            }
+        }
+    }
+}

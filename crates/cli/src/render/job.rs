@@ -1,0 +1,181 @@
+//! The renderer, as the rest of the program sees it: flags in, images and failures out.
+
+use std::sync::Arc;
+
+use midway_device::{Device, MemoryPlan};
+use midway_film::Image;
+use midway_render::{
+    Crop, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, RenderError, RenderSettings,
+    RenderStats, Renderer,
+};
+use midway_scene::Scene;
+
+use super::{frame::Frame, schedule::Job};
+use crate::{
+    args::{IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, RenderArgs, RngArg},
+    status::{Failure, Outcome, Status},
+};
+
+/// A render in progress.
+pub struct RenderJob {
+    renderer: Renderer,
+    stats: RenderStats,
+}
+
+impl RenderJob {
+    /// Packs the scene and takes the device's memory.
+    ///
+    /// # Errors
+    /// With the status of [`failure`].
+    pub fn start(
+        device: Arc<dyn Device>,
+        scene: &Scene,
+        frame: &Frame,
+        settings: RenderSettings,
+    ) -> Outcome<Self> {
+        let renderer = Renderer::new(device, scene, &frame.camera, settings).map_err(failure)?;
+        Ok(Self { renderer, stats: RenderStats::default() })
+    }
+
+    /// The integrator with its options, for people and headers.
+    pub fn integrator(&self) -> String {
+        self.renderer.settings().integrator.describe()
+    }
+
+    /// Every bias that was asked for.
+    pub fn bias(&self) -> Vec<String> {
+        self.renderer.settings().bias()
+    }
+
+    /// The buffers that it took.
+    pub fn memory(&self) -> &MemoryPlan {
+        self.renderer.plan()
+    }
+
+    /// What it had counted after the last pass.
+    pub fn stats(&self) -> &RenderStats {
+        &self.stats
+    }
+}
+
+impl Job for RenderJob {
+    fn step(&mut self, limit: u64) -> Outcome {
+        self.renderer.step(limit.min(u32::MAX.into())).map_err(failure)?;
+        self.stats = self.renderer.stats().map_err(failure)?;
+        Ok(())
+    }
+
+    fn samples(&self) -> u64 {
+        self.renderer.samples()
+    }
+
+    fn rays(&self) -> u64 {
+        self.stats.rays
+    }
+
+    fn image(&mut self) -> Outcome<Image> {
+        self.renderer.image().map_err(failure)
+    }
+}
+
+/// The exit code of each way in which a render can fail.
+fn failure(error: RenderError) -> Failure {
+    let status = match error {
+        RenderError::Settings(_) | RenderError::PathTooLong { .. } => Status::Usage,
+        RenderError::Scene(_) | RenderError::Accel(_) => Status::Input,
+        RenderError::Device(_) => Status::Device,
+    };
+    Failure::new(status, error)
+}
+
+/// The flags in the renderer's terms.
+pub fn settings(args: &RenderArgs, frame: &Frame) -> RenderSettings {
+    RenderSettings {
+        width: frame.width,
+        height: frame.height,
+        crop: frame.crop.map(|crop| Crop { x: crop.x, y: crop.y, width: crop.width, height: crop.height }),
+        seed: args.seed,
+        integrator: integrator(args),
+        max_path_length: args.max_path_length,
+        rng_table: match args.rng {
+            RngArg::Hash => None,
+            RngArg::Table(entries) => Some(entries),
+        },
+        clamp: args.clamp,
+        ..RenderSettings::default()
+    }
+}
+
+/// Flags that were not given leave the renderer's defaults.
+fn integrator(args: &RenderArgs) -> IntegratorSettings {
+    let defaults = IntegratorSettings::default();
+    IntegratorSettings {
+        integrator: match args.integrator {
+            IntegratorArg::PathNaive => Integrator::PathNaive,
+            IntegratorArg::Path => Integrator::Path,
+            IntegratorArg::Light => Integrator::Light,
+            IntegratorArg::Bdpt => Integrator::Bdpt,
+        },
+        join: args.join.map_or(defaults.join, |join| match join {
+            JoinArg::Full => Join::Full,
+            JoinArg::KStep => Join::KStep,
+            JoinArg::SingleStep => Join::SingleStep,
+        }),
+        k: args.k.unwrap_or(defaults.k),
+        join_choice: args.join_choice.map_or(defaults.join_choice, |choice| match choice {
+            JoinChoiceArg::Uniform => JoinChoice::Uniform,
+            JoinChoiceArg::Importance => JoinChoice::Importance,
+        }),
+        light_paths: args.light_paths.map_or(defaults.light_paths, |paths| match paths {
+            LightPathsArg::PerSample => LightPaths::PerSample,
+            LightPathsArg::Pool(count) => LightPaths::Pool(count),
+        }),
+        nee: args.nee,
+        splat: args.splat,
+        mis: args.mis.map_or(defaults.mis, |mis| match mis {
+            MisArg::Balance => Mis::Balance,
+            MisArg::Power => Mis::Power,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::args::{Cli, Command};
+
+    fn integrator_of(flags: &[&str]) -> IntegratorSettings {
+        let line = ["midway", "render", "s.gltf"].iter().chain(flags);
+        let Command::Render(args) = Cli::try_parse_from(line).unwrap().command else { unreachable!() };
+        integrator(&args)
+    }
+
+    #[test]
+    fn the_help_states_the_renderers_defaults() {
+        let defaults = integrator_of(&[]);
+        assert_eq!(defaults, IntegratorSettings::default());
+        assert_eq!((defaults.integrator, defaults.join), (Integrator::Path, Join::Full));
+        assert_eq!((defaults.k, defaults.join_choice), (3, JoinChoice::Uniform));
+        assert_eq!((defaults.light_paths, defaults.mis), (LightPaths::PerSample, Mis::Power));
+    }
+
+    #[test]
+    fn flags_arrive() {
+        let line = "-i bdpt --join k-step --k 5 --join-choice importance --light-paths pool:9 --mis balance \
+                    --nee=false --splat";
+        let flags: Vec<&str> = line.split_whitespace().collect();
+        let expected = IntegratorSettings {
+            integrator: Integrator::Bdpt,
+            join: Join::KStep,
+            k: 5,
+            join_choice: JoinChoice::Importance,
+            light_paths: LightPaths::Pool(Some(9)),
+            nee: Some(false),
+            splat: Some(true),
+            mis: Mis::Balance,
+        };
+        assert_eq!(integrator_of(&flags), expected);
+    }
+}

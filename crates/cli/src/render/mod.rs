@@ -1,0 +1,99 @@
+//! `midway render`: from flags to files.
+
+mod flags;
+mod frame;
+mod header;
+mod interrupt;
+mod job;
+mod outputs;
+mod progress;
+mod schedule;
+mod session;
+mod watch;
+
+use std::{path::Path, time::Duration};
+
+use midway_device::{OpenOptions, open_device};
+use midway_film::{Display, ToneMap, check_writable};
+
+use crate::{
+    args::{RenderArgs, ToneMapArg},
+    info,
+    scene_file::{self, LoadedScene},
+    status::{OrStatus, Outcome, Status},
+};
+
+use self::{
+    frame::Frame, interrupt::Interrupt, job::RenderJob, outputs::Outputs, progress::Reporter,
+    schedule::Limits, session::Session, watch::ErrorMeter,
+};
+
+/// Samples per pixel where nothing else says when to stop.
+const DEFAULT_SAMPLES: u64 = 64;
+
+/// Renders. All that can be refused is refused before the first pass, cheapest first.
+///
+/// # Errors
+/// With the [`Status`] of what went wrong.
+pub fn run(args: &RenderArgs) -> Outcome<Status> {
+    flags::check(args)?;
+    let outputs = Outputs::plan(&args.output, &args.scene, display(args))?;
+    args.errors.as_deref().map_or(Ok(()), check_writable)?;
+    let interrupt = Interrupt::install()?;
+    let reporter = Reporter::new(args.progress, args.quiet);
+    let LoadedScene { scene, warnings } = scene_file::load(&args.scene)?;
+    warnings.iter().for_each(|warning| reporter.warning(warning));
+    if args.verbose {
+        info::to_lines(&scene).iter().for_each(|line| reporter.note(line));
+    }
+    let frame = Frame::resolve(args, &scene)?;
+    let options = OpenOptions { threads: args.threads.map(|n| n as usize), ..OpenOptions::default() };
+    let device = open_device(&args.device, &options).or_status(Status::Device)?;
+    let new_meter = |reference: &Path| ErrorMeter::new(reference, args.errors.as_deref(), &frame);
+    let meter = args.reference.as_deref().map(new_meter).transpose()?;
+    let settings = job::settings(args, &frame);
+    let header = header::of_request(args, &scene, &frame, device.info());
+    let job = RenderJob::start(device.clone(), &scene, &frame, settings)?;
+
+    let session = Session {
+        limits: limits(args.spp, args.time),
+        snapshots: watch::SnapshotClock::new(args.snapshot_every),
+        verbose: args.verbose,
+        framing: frame.framing(),
+        outputs,
+        reporter,
+        meter,
+        header,
+    };
+    session.announce(&job, device.info(), &frame)?;
+    session.render(job, &interrupt)
+}
+
+/// 64 samples, unless something else says when to stop.
+fn limits(samples: Option<u64>, time: Option<Duration>) -> Limits {
+    let samples = samples.or(if time.is_some() { None } else { Some(DEFAULT_SAMPLES) });
+    Limits { samples, time }
+}
+
+fn display(args: &RenderArgs) -> Display {
+    let tone_map = match args.tone_map {
+        ToneMapArg::Linear => ToneMap::Linear,
+        ToneMapArg::Agx => ToneMap::Agx,
+        ToneMapArg::Aces => ToneMap::Aces,
+        ToneMapArg::PbrNeutral => ToneMap::PbrNeutral,
+    };
+    Display { exposure: args.exposure, tone_map }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_default_only_where_there_is_no_time() {
+        let second = Some(Duration::from_secs(1));
+        assert_eq!(limits(None, None), Limits { samples: Some(64), time: None });
+        assert_eq!(limits(None, second), Limits { samples: None, time: second });
+        assert_eq!(limits(Some(4), second), Limits { samples: Some(4), time: second });
+    }
+}

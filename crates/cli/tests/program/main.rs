@@ -1,0 +1,6 @@
+//! Runs the built program: its exit codes, its words, its files.
+
+mod bad_input;
+mod comparing;
+mod rendering;
+mod support;

@@ -1,0 +1,169 @@
+//! `midway render`, from the command line to the files.
+
+use std::{
+    fs,
+    io::{BufRead, BufReader},
+    path::Path,
+};
+
+use midway_film::{ExrFile, Framing};
+
+use crate::support::{Run, Sandbox};
+
+const SMALL: [&str; 8] = ["render", "scene.obj", "--device", "cpu", "--width", "24", "--height", "16"];
+
+fn scene() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write_scene();
+    sandbox
+}
+
+fn render(sandbox: &Sandbox, extra: &[&str]) -> Run {
+    sandbox.expect(0, &[&SMALL[..], extra].concat())
+}
+
+fn read(sandbox: &Sandbox, name: &str) -> ExrFile {
+    ExrFile::read(&sandbox.path(name)).unwrap()
+}
+
+#[test]
+fn both_files_are_written_and_the_header_tells_all() {
+    let sandbox = scene();
+    let run = render(&sandbox, &["--spp", "4", "--seed", "9"]);
+    assert!(
+        run.stderr.contains("device: cpu") && run.stderr.contains("stopped: all samples"),
+        "{}",
+        run.stderr
+    );
+    assert!(sandbox.exists("scene.png"));
+    let file = read(&sandbox, "scene.exr");
+    assert_eq!((file.width, file.height, file.framing), (24, 16, None));
+    assert!(!file.image().unwrap().is_black());
+    let header = &file.metadata;
+    assert_eq!((header.int("samples"), header.int("seed")), (Some(4), Some(9)));
+    assert!(header.float("seconds").unwrap() > 0.0);
+    assert_eq!((header.text("bias"), header.text("stopped_by")), (Some("none"), Some("samples")));
+    assert!(header.text("device").unwrap().starts_with("cpu"));
+    assert!(header.text("integrator").unwrap().starts_with("path"));
+    assert_eq!(header.text("scene_hash").unwrap().len(), 64);
+    assert!(header.get("world_from_camera").is_some());
+    let left: Vec<_> = fs::read_dir(sandbox.path(".")).unwrap().collect();
+    assert_eq!(left.len(), 4, "{left:?}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits() {
+    let sandbox = scene();
+    for (name, seed) in [("a.exr", "1"), ("b.exr", "1"), ("c.exr", "2")] {
+        render(&sandbox, &["--spp", "3", "--seed", seed, "-o", name, "--quiet"]);
+    }
+    let image = |name| read(&sandbox, name).image().unwrap();
+    assert!(image("a.exr") == image("b.exr"), "the same seed gave two images");
+    assert!(image("a.exr") != image("c.exr"), "two seeds gave the same image");
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let run = render(&scene(), &["--spp", "1", "--quiet"]);
+    assert!(run.stderr.is_empty() && run.stdout.is_empty(), "{}{}", run.stderr, run.stdout);
+}
+
+#[test]
+fn json_progress_is_one_object_a_line() {
+    let events = render(&scene(), &["--spp", "4", "--progress", "json"]).json_lines();
+    let names: Vec<&str> = events.iter().map(|event| event["event"].as_str().unwrap()).collect();
+    assert_eq!((names[0], names[names.len() - 1]), ("start", "end"));
+    assert!(names.contains(&"progress"));
+    assert_eq!(events[0]["outputs"], serde_json::json!(["scene.exr", "scene.png"]));
+    assert_eq!(events[events.len() - 1]["stopped_by"], "samples");
+}
+
+#[test]
+fn time_stops_too_and_is_named() {
+    let sandbox = scene();
+    let run = render(&sandbox, &["--time", "300ms", "--spp", "100000000"]);
+    assert!(run.stderr.contains("stopped: the time is over"), "{}", run.stderr);
+    let header = read(&sandbox, "scene.exr").metadata;
+    assert_eq!(header.text("stopped_by"), Some("time"));
+    assert!(header.float("seconds").unwrap() <= 5.0 && header.int("samples").unwrap() >= 1);
+}
+
+#[test]
+fn a_crop_is_that_part_of_the_image() {
+    let sandbox = scene();
+    render(&sandbox, &["--spp", "2", "-o", "whole.exr"]);
+    render(&sandbox, &["--spp", "2", "-o", "part.exr", "--crop", "5,3,10,7"]);
+    let part = read(&sandbox, "part.exr");
+    assert_eq!(part.framing, Some(Framing { frame: [24, 16], offset: [5, 3] }));
+    let (whole, part) = (read(&sandbox, "whole.exr").image().unwrap(), part.image().unwrap());
+    assert_eq!(part.size(), [10, 7]);
+    for (index, pixel) in part.pixels.iter().enumerate() {
+        let same = whole.pixels[(3 + index / 10) * 24 + 5 + index % 10];
+        for (a, b) in pixel.iter().zip(same) {
+            assert!((a - b).abs() <= 1e-4 + 1e-3 * b.abs(), "pixel {index}: {pixel:?} and {same:?}");
+        }
+    }
+}
+
+#[test]
+fn bias_is_printed_and_in_the_header() {
+    let sandbox = scene();
+    let run =
+        render(&sandbox, &["--spp", "1", "--max-path-length", "3", "--clamp", "10", "--rng", "table:64"]);
+    assert_eq!(run.stderr.lines().filter(|line| line.starts_with("bias: ")).count(), 3, "{}", run.stderr);
+    let bias = read(&sandbox, "scene.exr").metadata.text("bias").unwrap().to_owned();
+    assert!(bias.contains("max-path-length") && bias.contains("clamp") && bias.contains("table"), "{bias}");
+}
+
+#[test]
+fn errors_against_a_reference_are_logged() {
+    let sandbox = scene();
+    render(&sandbox, &["--spp", "64", "-o", "reference.exr", "--seed", "5"]);
+    render(&sandbox, &["--spp", "8", "--reference", "reference.exr", "--errors", "errors.csv"]);
+    let text = fs::read_to_string(sandbox.path("errors.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("seconds,samples,rmse,relmse"));
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|value| value.parse().unwrap()).collect()).collect();
+    assert!(!rows.is_empty());
+    assert_eq!(rows[rows.len() - 1][1], 8.0);
+    assert!(rows.iter().all(|row| row[2] > 0.0 && row[3] > 0.0));
+    assert!(rows.windows(2).all(|pair| pair[0][1] < pair[1][1] && pair[0][0] <= pair[1][0]));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_5_and_the_other_file_is_kept() {
+    let sandbox = scene();
+    std::os::unix::fs::symlink("/dev/full", sandbox.path("full.exr")).unwrap();
+    let run = sandbox.expect(5, &[&SMALL[..], &["--spp", "1", "-o", "full.exr"]].concat());
+    assert!(run.error().contains("full.exr: cannot write"), "{}", run.stderr);
+    assert!(sandbox.exists("full.png") && Path::new("/dev/full").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_writes_what_there_is() {
+    let sandbox = scene();
+    let arguments = [&SMALL[..], &["--time", "60s", "--progress", "json"]].concat();
+    let mut child = sandbox.command(&arguments).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let progress = lines.find(|line| line.as_ref().unwrap().contains("\"progress\""));
+    assert!(progress.is_some(), "it ended before its first pass");
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let last = lines.map(|line| line.unwrap()).last().unwrap();
+    assert!(last.contains("\"stopped_by\":\"interrupt\""), "{last}");
+    assert_eq!(child.wait().unwrap().code(), Some(10));
+    assert!(sandbox.exists("scene.png"));
+    assert_eq!(read(&sandbox, "scene.exr").metadata.text("stopped_by"), Some("interrupt"));
+}
+
+#[test]
+fn a_scene_with_no_light_is_black_and_says_why() {
+    let sandbox = Sandbox::new();
+    sandbox.write("scene.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
+    let run = render(&sandbox, &["--spp", "1"]);
+    assert!(run.stderr.contains("warning: the image is black"), "{}", run.stderr);
+    assert!(read(&sandbox, "scene.exr").image().unwrap().is_black());
+}
