@@ -1,10 +1,17 @@
 //! Small WGSL kernels that prove `wgsl-cpu`: each is run natively, and on a GPU, and compared.
 
 pub mod by_hand;
+pub mod cases;
 pub mod scene;
 pub mod words;
 
 use wgsl_cpu::Kernel;
+
+/// A library: functions without an entry point.
+#[allow(unused, unused_qualifications, nonstandard_style, missing_docs, clippy::all)]
+pub mod library {
+    include!(concat!(env!("OUT_DIR"), "/library.rs"));
+}
 
 /// Takes in a translated probe and makes its record.
 macro_rules! probes {

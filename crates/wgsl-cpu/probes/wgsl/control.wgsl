@@ -10,7 +10,7 @@ struct Pair { first: u32, second: array<u32, 3> }
 
 var<private> state: u32 = 17u;
 var<private> calls: u32;
-var<private> drawn: array<u32, 2>;
+var<private> drawn: u32;
 
 fn collatz(start: u32) -> u32 {
     var n = start % 1000u + 1u;
@@ -80,12 +80,16 @@ fn draw_into(place: ptr<private, u32>) { *place = *place + next(); }
 fn pointers(n: u32) -> u32 {
     var pair = Pair(n, array<u32, 3>(1u, 2u, 3u));
     let at = &pair.second[n % 3u];
-    var seen = bump(at, 10u) + bump(&pair.first, *at);
-    rotate(&pair.second);
-    let copy = pair;
+    var seen = *at;
+    *at += 10u;
+    seen += bump(&seen, *at);
+    pair.first += *at;
+    var second = pair.second;
+    rotate(&second);
+    let copy = second;
     pair = Pair();
-    _ = bump(&pair.first, 1u);
-    return seen + 7u * copy.second[n % 3u] + 31u * copy.first + pair.first + copy.second[0];
+    pair.first++;
+    return seen + 7u * copy[n % 3u] + 31u * n + pair.first + copy[0];
 }
 
 fn choose(n: u32) -> i32 {
@@ -112,10 +116,10 @@ fn control(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocati
     if id.x >= arrayLength(&inputs) { return; }
     let n = inputs[id.x];
     let first = next() ^ next();
-    draw_into(&drawn[n % 2u]);
+    draw_into(&drawn);
     outputs[id.x] = array<u32, 8>(
         collatz(n), skip(n), continuing_reads_the_body(n), pointers(n), u32(choose(n)),
-        first + drawn[0] * calls + 3u * drawn[1], u32(guarded(n % 9u, 5u)) + 2u * PRIMES[n % 5u],
+        first + drawn * calls, u32(guarded(n % 9u, 5u)) + 2u * PRIMES[n % 5u],
         lane + 64u * group.x + 1000u * groups.x,
     );
 }
