@@ -57,7 +57,10 @@ fn generate() -> Result<(), String> {
     if mutant.is_some() && !mutated.get() {
         return Err("MIDWAY_MUTANT matched no kernel source".into());
     }
-    let kernels = format!("{}\n/// Every kernel, by name.\npub static KERNELS: &[Kernel] = &[\n{}];\n", tables.modules, tables.kernels);
+    let kernels = format!(
+        "{}\n/// Every kernel, by name.\npub static KERNELS: &[Kernel] = &[\n{}];\n",
+        tables.modules, tables.kernels
+    );
     write(&out.join("kernels.rs"), &kernels)?;
     write(&out.join("layout.rs"), &layout::structs(&tables.structs))?;
     write(&out.join("constants.rs"), &layout::constants(&tables.constants))
@@ -122,9 +125,8 @@ fn collect(translation: Translation, tables: &mut Tables) -> Result<(), String> 
 
 fn translate_linked(name: &str, linked: &Linked) -> Result<Translation, String> {
     translate(&linked.wgsl).map_err(|error| {
-        let place = error
-            .location()
-            .and_then(|at| linked.origin(at.line as usize))
+        let place = linked
+            .origin(error.location().line as usize)
             .map_or_else(|| name.to_owned(), |(file, line)| format!("wgsl/{}:{line}", file.display()));
         format!("{place}: {error}")
     })

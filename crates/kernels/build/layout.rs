@@ -26,7 +26,8 @@ fn write_struct(text: &mut String, info: &StructInfo) {
     let mut end = 0;
     for member in &info.members {
         pad(text, end, member.offset);
-        let _ = writeln!(text, "    /// `{}`\n    pub {}: {},", member.ty, member.name, rust_type(&member.ty));
+        let _ =
+            writeln!(text, "    /// `{}`\n    pub {}: {},", member.ty, member.name, rust_type(&member.ty));
         end = member.offset + member.size;
     }
     pad(text, end, info.size);

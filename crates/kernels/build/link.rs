@@ -20,11 +20,6 @@ impl Linked {
     pub fn origin(&self, line: usize) -> Option<(&Path, usize)> {
         self.origins.get(line.checked_sub(1)?).map(|(file, line)| (file.as_path(), *line))
     }
-
-    /// Every file that took part.
-    pub fn files(&self) -> HashSet<&Path> {
-        self.origins.iter().map(|(file, _)| file.as_path()).collect()
-    }
 }
 
 /// Links `file`, whose includes are relative to `root`. `patch` sees each file's text once.

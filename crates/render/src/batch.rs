@@ -161,7 +161,11 @@ impl Lane {
         while first < n {
             let end = n.min(first + self.size.shadow_capacity());
             let range = [first, end];
-            device.write_buffer(&self.counters, u64::from(k::COUNT_SPLAT_FIRST) * 4, bytemuck::cast_slice(&range))?;
+            device.write_buffer(
+                &self.counters,
+                u64::from(k::COUNT_SPLAT_FIRST) * 4,
+                bytemuck::cast_slice(&range),
+            )?;
             let mut commands = vec![dispatch(&self.connect_camera, end - first)];
             commands.extend(self.shadow_commands());
             device.run(&commands, false)?;

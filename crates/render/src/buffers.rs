@@ -13,7 +13,11 @@ pub struct Pipelines(HashMap<&'static str, Pipeline>);
 impl Pipelines {
     /// Loads the named kernels.
     pub fn load(device: &dyn Device, names: &[&'static str]) -> Result<Self, DeviceError> {
-        names.iter().map(|&name| Ok((name, device.load_kernel(kernel(name))?))).collect::<Result<_, _>>().map(Self)
+        names
+            .iter()
+            .map(|&name| Ok((name, device.load_kernel(kernel(name))?)))
+            .collect::<Result<_, _>>()
+            .map(Self)
     }
 }
 

@@ -35,10 +35,7 @@ pub struct AliasEntry {
 
 impl Lights {
     /// Collects the emissive triangles.
-    pub fn collect<'a>(
-        triangles: impl Iterator<Item = &'a WorldTriangle>,
-        materials: &[Material],
-    ) -> Lights {
+    pub fn collect<'a>(triangles: impl Iterator<Item = &'a WorldTriangle>, materials: &[Material]) -> Lights {
         let lights: Vec<AreaLight> = (0u32..)
             .zip(triangles)
             .filter_map(|(index, triangle)| {

@@ -56,7 +56,11 @@ impl PackedScene {
         pack_surfaces(&world, &lights, &mut words);
         let random_at = words.len() as u32;
         words.extend((0..rng_table.unwrap_or(0)).map(pregenerated_numbers));
-        let camera_medium = medium_or_none(&media, camera.position(), camera.world_from_camera.transform_vector3(Vec3::NEG_Z));
+        let camera_medium = medium_or_none(
+            &media,
+            camera.position(),
+            camera.world_from_camera.transform_vector3(Vec3::NEG_Z),
+        );
         Ok(Self {
             triangles: pack_triangles(&bvh, &positions),
             nodes: bvh.nodes,

@@ -72,8 +72,11 @@ impl Pool {
     pub fn index(&self, device: &dyn Device, params: &Params) -> Result<(), RenderError> {
         device.write_buffer(&self.params, 0, bytemuck::bytes_of(params))?;
         let blocks = params.n_light_paths.div_ceil(k::SCAN_BLOCK);
-        let commands =
-            [dispatch(&self.scan_blocks, blocks), dispatch(&self.scan_sums, 1), dispatch(&self.index_pool, blocks)];
+        let commands = [
+            dispatch(&self.scan_blocks, blocks),
+            dispatch(&self.scan_sums, 1),
+            dispatch(&self.index_pool, blocks),
+        ];
         device.run(&commands, false)?;
         Ok(())
     }

@@ -1,6 +1,9 @@
 //! The renderer: schedules samples as passes, and passes as batches over the device's lanes.
 
-use std::sync::{Arc, Mutex, atomic::{AtomicU32, Ordering}};
+use std::sync::{
+    Arc, Mutex, PoisonError,
+    atomic::{AtomicU32, Ordering},
+};
 
 use midway_device::{BoundKernel, Buffer, BufferUsage, Device, DeviceKind, MemoryPlan};
 use midway_film::Image;
@@ -77,7 +80,8 @@ impl Renderer {
         let mut base = base_params(&settings, camera, &packed, n_light_paths);
         let mut plan = plan_shared(&packed, n_pixels);
         plan.check(device.info())?;
-        let names: Vec<&'static str> = LANE_KERNELS.into_iter().chain(POOL_KERNELS).chain(["resolve"]).collect();
+        let names: Vec<&'static str> =
+            LANE_KERNELS.into_iter().chain(POOL_KERNELS).chain(["resolve"]).collect();
         let pipelines = Pipelines::load(&*device, &names)?;
         let mut shared = upload(&*device, &packed, n_pixels)?;
         let mut mean_light_vertices = 0.0;
@@ -102,10 +106,14 @@ impl Renderer {
         let lanes = (0..n_lanes)
             .map(|_| Lane::new(&*device, &pipelines, &shared, size, own_vertices))
             .collect::<Result<Vec<_>, _>>()?;
-        let resolve_params = device.create_buffer("params", size_of::<Params>() as u64, BufferUsage::Uniform)?;
+        let resolve_params =
+            device.create_buffer("params", size_of::<Params>() as u64, BufferUsage::Uniform)?;
         let mut resolve_set = shared.clone();
         resolve_set.insert("params", resolve_params.clone());
-        resolve_set.insert("counters", device.create_buffer("counters", u64::from(k::N_COUNTERS) * 4, BufferUsage::Storage)?);
+        resolve_set.insert(
+            "counters",
+            device.create_buffer("counters", u64::from(k::N_COUNTERS) * 4, BufferUsage::Storage)?,
+        );
         Ok(Self {
             resolve: resolve_set.bind(&*device, &pipelines, "resolve")?,
             resolve_params,
@@ -326,12 +334,16 @@ impl Renderer {
         work: impl Fn(&dyn Device, usize, &Lane) -> Result<(), RenderError> + Sync,
     ) -> Result<(), RenderError> {
         let failure = Mutex::new(None);
-        self.device.for_each_lane(&|index| {
+        let run = |index: usize| {
             if let Err(error) = work(&*self.device, index, &self.lanes[index]) {
-                failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
+                failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
             }
-        });
-        failure.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).map_or(Ok(()), Err)
+        };
+        // SAFETY: a lane writes its own buffers; the film, which all write, is atomic; a pool's
+        // vertices and paths are written by the lane that traces them, each at its own places, and
+        // read once all lanes are done.
+        unsafe { self.device.for_each_lane(&run) };
+        failure.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }
 }
 
@@ -422,5 +434,9 @@ fn lane_size(
         // Projected at once: one vertex a path and bounce.
         _ => n_paths,
     };
-    LaneSize { n_paths, append_at: if integrator.uses_pool() { 0 } else { reserved_slots(settings, n_paths) }, append_capacity }
+    LaneSize {
+        n_paths,
+        append_at: if integrator.uses_pool() { 0 } else { reserved_slots(settings, n_paths) },
+        append_capacity,
+    }
 }

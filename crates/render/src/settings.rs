@@ -167,7 +167,8 @@ impl IntegratorSettings {
                     let _ = write!(text, " join=k-step k={} join-choice={choice}", self.k);
                 }
                 Join::SingleStep => {
-                    let _ = write!(text, " join=single-step nee={} splat={}", self.uses_nee(), self.uses_splat());
+                    let _ =
+                        write!(text, " join=single-step nee={} splat={}", self.uses_nee(), self.uses_splat());
                 }
             }
             match self.light_paths {
@@ -266,7 +267,10 @@ impl RenderSettings {
     pub fn validate(&self) -> Result<(), RenderError> {
         let fail = |text: String| Err(RenderError::Settings(text));
         if self.width == 0 || self.height == 0 || self.width > MAX_SIDE || self.height > MAX_SIDE {
-            return fail(format!("a film of {} x {} pixels: each side is 1 to {MAX_SIDE}", self.width, self.height));
+            return fail(format!(
+                "a film of {} x {} pixels: each side is 1 to {MAX_SIDE}",
+                self.width, self.height
+            ));
         }
         let window = self.window();
         let fits = |start: u32, size: u32, whole: u32| {

@@ -11,7 +11,7 @@ const STACK_SIZE: u32 = 64u;
 /// Below the bottom of the stack: a leaf reference that no leaf has.
 const STACK_BOTTOM: u32 = 0xffffffffu;
 
-/// Node: left min, left reference; left max; right min, right reference; right max.
+/// Node: left min, left reference; left max, right reference; right min; right max.
 @group(0) @binding(2) var<storage, read> nodes: array<vec4<u32>>;
 /// Leaf slot: first vertex and triangle index; two edges.
 @group(0) @binding(3) var<storage, read> triangles: array<vec4<f32>>;
@@ -37,13 +37,13 @@ fn closest_hit(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {
             let hits_right = right.x <= right.y;
             if (hits_left && hits_right) {
                 let left_first = left.x <= right.x;
-                stack[top] = select(a.w, c.w, left_first);
+                stack[top] = select(a.w, b.w, left_first);
                 top += 1u;
-                node = select(c.w, a.w, left_first);
+                node = select(b.w, a.w, left_first);
             } else if (hits_left) {
                 node = a.w;
             } else if (hits_right) {
-                node = c.w;
+                node = b.w;
             } else {
                 top -= 1u;
                 node = stack[top];
@@ -87,13 +87,13 @@ fn any_hit(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
             let hits_left = left.x <= left.y;
             let hits_right = right.x <= right.y;
             if (hits_left && hits_right) {
-                stack[top] = c.w;
+                stack[top] = b.w;
                 top += 1u;
                 node = a.w;
             } else if (hits_left) {
                 node = a.w;
             } else if (hits_right) {
-                node = c.w;
+                node = b.w;
             } else {
                 top -= 1u;
                 node = stack[top];
