@@ -81,8 +81,24 @@ impl TranslateError {
             message += &format!(": {inner}");
             cause = inner.source();
         }
-        Self::Validation { location: Location::new(wgsl, error.location(wgsl)), message }
+        // The spans are of the construct and of what it is in; the shortest says most.
+        let spans = error.spans().map(|(span, _)| *span);
+        let span = spans.min_by_key(|span| span.to_range().map_or(usize::MAX, |range| range.len()));
+        let span = span.or_else(|| find_wide_scalar(wgsl));
+        let location = Location::new(wgsl, span.map(|span| span.location(wgsl)));
+        Self::Validation { location, message }
     }
+}
+
+/// The first scalar type that is not of 32 bits: naga has no spans for those.
+fn find_wide_scalar(wgsl: &str) -> Option<Span> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let mut names = wgsl.match_indices(['f', 'i', 'u']).filter(|&(at, _)| {
+        let is_start = !wgsl[..at].ends_with(is_name);
+        let rest = &wgsl[at + 1..];
+        is_start && (rest.starts_with("64") || rest.starts_with("16")) && !rest[2..].starts_with(is_name)
+    });
+    names.next().map(|(at, _)| Span::from(at..at + 3))
 }
 
 /// What the translator refuses, before the source is at hand to find the line.

@@ -8,12 +8,12 @@ use naga::{
 };
 
 use super::{
+    control::Frame,
     error::{Result, Unsupported},
     expression::Text,
     literal,
     names::{Names, Scope},
     schedule::Schedule,
-    statement::Frame,
     types::{plain_type, rust_type},
 };
 

@@ -34,6 +34,8 @@
 //! A module with an entry point is cut down to what that reaches: functions, constants and
 //! bindings that it does not use are left out. A module without one is a library: all is kept.
 
+mod call;
+mod control;
 mod error;
 mod expression;
 mod function;

@@ -14,6 +14,9 @@ use super::reach::inner_blocks;
 
 type Run = u32;
 
+/// Expressions longer than this are not written inside others.
+const LONG: usize = 100;
+
 /// The use of an expression that has only one.
 #[derive(Clone, Copy)]
 enum Use {
@@ -25,6 +28,8 @@ enum Use {
 /// The schedule of one function.
 pub(super) struct Schedule {
     inlined: HashSet<Handle<Expression>>,
+    /// Those of them that a statement uses itself.
+    operands: HashSet<Handle<Expression>>,
     /// Local variables that begin with a store, by that statement.
     declarations: HashMap<*const Statement, Handle<LocalVariable>>,
     declared: HashSet<Handle<LocalVariable>>,
@@ -44,16 +49,21 @@ impl Schedule {
         }
         let inlined =
             walk.runs.keys().copied().filter(|&handle| walk.is_inlined(handle)).collect::<HashSet<_>>();
+        let is_operand =
+            |handle: &Handle<Expression>| matches!(walk.uses.get(handle), Some(Use::Statement(_)));
+        let operands = inlined.iter().copied().filter(is_operand).collect();
         let declarations = Locals::new(function).declarations(&function.body);
         let declared = declarations.values().copied().collect();
         let initial = function.local_variables.iter().filter_map(|(_, local)| local.init);
         let initial = initial.filter(|&value| info[value].ref_count == 1).collect();
-        Self { inlined, declarations, declared, initial }
+        Self { inlined, operands, declarations, declared, initial }
     }
 
-    /// Whether the expression is written at its only use.
-    pub(super) fn is_inlined(&self, expression: Handle<Expression>) -> bool {
-        self.inlined.contains(&expression)
+    /// Whether an expression that takes `length` bytes is written at its only use: in another
+    /// expression, only if it is short.
+    pub(super) fn is_inlined(&self, expression: Handle<Expression>, length: usize) -> bool {
+        let is_readable = length <= LONG || self.operands.contains(&expression);
+        is_readable && self.inlined.contains(&expression)
     }
 
     /// Whether the expression only gives a local variable its first value.

@@ -31,7 +31,7 @@ fn statements_do_what_they_say() {
 }
 
 fn collatz(start: u32) -> u32 {
-    let next = |n: &u32| (*n != 1).then_some(if n % 2 == 0 { n / 2 } else { 3 * n + 1 });
+    let next = |n: &u32| (*n != 1).then_some(if n.is_multiple_of(2) { n / 2 } else { 3 * n + 1 });
     std::iter::successors(Some(start % 1000 + 1), next).count().min(201) as u32 - 1
 }
 
@@ -91,7 +91,7 @@ fn drawn() -> u32 {
 }
 
 fn guarded(n: u32) -> bool {
-    n < 5 && (PRIMES[n as usize] == 5 || n % 2 == 0)
+    n < 5 && (PRIMES[n as usize] == 5 || n.is_multiple_of(2))
 }
 
 #[test]

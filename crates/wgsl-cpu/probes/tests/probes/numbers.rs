@@ -39,7 +39,7 @@ fn integers_wrap_and_never_trap() {
             (c << shift) as u32,
             (c >> shift) as u32,
             (-c) as u32,
-            c.abs() as u32,
+            c.unsigned_abs() as u32,
             c.signum() as u32,
             a.min(b),
             a.max(b),

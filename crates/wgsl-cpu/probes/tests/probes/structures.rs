@@ -1,6 +1,7 @@
 //! Vectors, matrices and layouts.
 
-use wgsl_cpu_probes::{LAYOUTS, VECTORS, cases};
+use wgsl_cpu::runtime::{Mat, Vec2, Vec3};
+use wgsl_cpu_probes::{LAYOUTS, VECTORS, cases, library, words::Words};
 
 use crate::assert_float_rows;
 
@@ -177,4 +178,45 @@ fn changed_parts(header: &[u32], record: &[u32], id: usize, n_records: u32, to: 
     assert_eq!(to[at::TAIL + at::ID], record[at::INNER + at::ID]);
     let small = &record[at::SMALL..];
     to[at::SMALL..].copy_from_slice(&[small[0], small[2], small[1], small[3]]);
+}
+
+#[test]
+fn rare_constructs_do_what_they_say() {
+    let flags = Vec3::new(true, false, true);
+    let v = Vec3::new(1.0, -1.0, -1.0);
+    // both = (b, false, a.z), either = (!a.x | both.x == a.x, true, ...).
+    assert_eq!(library::bools(flags, true, v), Vec3::new(false, true, true));
+    assert_eq!(library::bools(flags, false, v), Vec3::new(true, false, true));
+    assert_eq!(library::of_table(1, 0), i32::MIN + 3 + 3 + 4);
+    // An index out of range is the last one.
+    assert_eq!(library::of_table(-1, 0), i32::MIN + 3 + 3 + 4);
+    let m = Mat::new([Vec2::new(1.0, 2.0), Vec2::new(3.0, 4.0), Vec2::new(5.0, 6.0)]);
+    let n = [Vec2::new(-1.0, -2.0), Vec2::new(4.0, 3.0)];
+    assert_eq!(library::of_matrix(m, 1, 3.0), Vec2::new(-n[0].x - n[1].x, -n[0].y - n[1].y));
+    assert_eq!(library::only_default(4), 1 + 1 + 2 + 100 + 4);
+    assert_eq!(library::nested_loops(0), 0);
+    assert_eq!(library::results(3.0), 1.0 + 4.0 + 0.75);
+    let ids = library::Ids { global: Vec3::new(1, 2, 3), lane: 4 };
+    assert_eq!(library::of_ids(ids), 6);
+}
+
+#[test]
+fn places_in_buffers_stay_in_range() {
+    // left, 2 x 3 counts, then at byte 32 tables of 6 vec3s and a vec2: 112 bytes each.
+    let mut words = Words::new(&[0; 8 + 2 * 28]);
+    // SAFETY: the one buffer is large enough, and only this thread uses it.
+    let globals = unsafe { library::Globals::new(&[words.storage()]) };
+    let x = Vec3::new(1.0, 2.0, 3.0);
+    assert_eq!(library::into_buffer(&globals, 1, x), 3 - 5);
+    // The last table, row and count.
+    assert_eq!(library::into_buffer(&globals, u32::MAX, x), -3 - 5 + 2);
+    let words = words.to_vec();
+    assert_eq!(&words[1..8], [0, 0, 0, 0, 2, (-3i32) as u32, 0]);
+    let table = &words[8 + 28..];
+    let float = |at: usize| f32::from_bits(table[at]);
+    assert_eq!([float(9), float(12), float(13), float(14)], [9.0, 1.0, 2.0, 3.0]);
+    assert_eq!([float(16), float(17), float(18)], [1.0, 2.0, 9.0]);
+    assert_eq!([float(20), float(21), float(22)], [-1.0, -2.0, -3.0]);
+    assert_eq!(table[25] as i32, -1);
+    assert!(words[8..8 + 28].iter().all(|&word| word == 0), "the first table");
 }
