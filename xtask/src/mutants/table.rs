@@ -1,0 +1,176 @@
+//! The mistakes that the proofs must catch.
+
+/// One deliberate mistake: a replacement in one kernel source.
+#[derive(Clone, Copy, Debug)]
+pub struct Mutant {
+    /// What `--only` takes.
+    pub name: &'static str,
+    /// Under `crates/kernels/wgsl`.
+    pub file: &'static str,
+    /// Occurs there exactly once.
+    pub find: &'static str,
+    /// What takes its place.
+    pub replace: &'static str,
+    /// The proofs that are run: those whose name contains it.
+    pub caught_by: &'static str,
+}
+
+/// Every proof.
+const ANY: &str = "";
+
+/// The mutants.
+pub const MUTANTS: &[Mutant] = &[
+    Mutant {
+        name: "dropped-cosine",
+        file: "shade_camera.wgsl",
+        find: "let geometry = abs(dot(vertex.surface.ns, wi)) * abs(cos_light) / distance_squared;",
+        replace: "let geometry = abs(dot(vertex.surface.ns, wi)) / distance_squared;",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "swapped-pdf-fwd-rev",
+        file: "bindings/vertex.wgsl",
+        find: "factor, cos_out, pdf_fwd, pdf_rev, vertex.ending",
+        replace: "factor, cos_out, pdf_rev, pdf_fwd, vertex.ending",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "missing-light-pmf",
+        file: "generate_light.wgsl",
+        find: "light.pmf / light.area",
+        replace: "1.0 / light.area",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "missing-eta-squared",
+        file: "lib/bsdf.wgsl",
+        find: "select(1.0, 1.0 / (eta * eta), mode == TRANSPORT_RADIANCE)",
+        replace: "1.0",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "splat-not-divided-by-light-paths",
+        file: "connect_camera.wgsl",
+        find: "cosine * pdf_camera / params.splat_factor * strategy_weight",
+        replace: "cosine * pdf_camera * strategy_weight",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "reservoir-weight-n-over-k",
+        file: "bindings/join_choice.wgsl",
+        find: "f32(n) / f32(min(params.k, n))",
+        replace: "f32(n) / f32(params.k)",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "reservoir-without-choice-chance",
+        file: "bindings/join_choice.wgsl",
+        find: "total / (f32(params.k) * importance)",
+        replace: "f32(n) / f32(params.k)",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "pool-factor-inverted",
+        file: "bindings/join_choice.wgsl",
+        find: "f32(n_vertices) / (f32(params.k) * f32(params.n_light_paths))",
+        replace: "(f32(params.k) * f32(params.n_light_paths)) / f32(n_vertices)",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "pool-count-in-mis-weight",
+        file: "bindings/join_choice.wgsl",
+        find: "join_factor(config, y.ending, vertex.ending), pdf_y, light_earlier",
+        replace: "select(config.join, f32(params.k * params.n_light_paths) / f32(light_paths[pool_size_at()]), \
+                  has_flag(FLAG_POOL)) * y.ending * vertex.ending, pdf_y, light_earlier",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "pool-never-regenerated",
+        file: "bindings/light_store.wgsl",
+        find: "params.first_sample + select(place / params.n_pixels, 0u, has_flag(FLAG_POOL))",
+        replace: "select(params.first_sample + place / params.n_pixels, 0u, has_flag(FLAG_POOL))",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "ending-chance-omitted",
+        file: "bindings/join_choice.wgsl",
+        find: "1.0 / (y.ending * vertex.ending)",
+        replace: "1.0",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "nee-counted-twice",
+        file: "shade_camera.wgsl",
+        find: "let weight = mis_weight_emitter(",
+        replace: "let weight = 2.0 * mis_weight_emitter(",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "join-without-inverse-square",
+        file: "bindings/join_choice.wgsl",
+        find: "* (cosines / distance_squared)",
+        replace: "* cosines",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "adjoint-factor-dropped",
+        file: "bindings/vertex.wgsl",
+        find: "weight *= adjoint_factor(surface.ng, surface.ns, vertex.wo, scattered.wi);",
+        replace: "weight *= 1.0;",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "roulette-not-divided-by-survival",
+        file: "bindings/vertex.wgsl",
+        find: "scattered.weight / vertex.survival;",
+        replace: "scattered.weight;",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "hit-weight-without-emission-density",
+        file: "lib/mis.wgsl",
+        find: "factor_s1 * pdf_direct_area) + state.dvc * mis_power(config, pdf_emission);",
+        replace: "factor_s1 * pdf_direct_area);",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "splat-weight-without-its-rivals",
+        file: "lib/mis.wgsl",
+        find: "mis_weight(config, config.splat, mis_power(config, pdf_y_area) * light_earlier)",
+        replace: "mis_weight(config, config.splat, 0.0)",
+        caught_by: ANY,
+    },
+    Mutant {
+        name: "delta-vertex-keeps-its-strategy",
+        file: "lib/mis.wgsl",
+        find: "MisState(0.0, mis_power(config, cos_out) * state.dvc, ending)",
+        replace: "MisState(1.0, mis_power(config, cos_out) * state.dvc, ending)",
+        caught_by: ANY,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use crate::mutants::workspace;
+
+    #[test]
+    fn every_mutant_changes_one_place() {
+        for mutant in MUTANTS {
+            let path = workspace().join("crates/kernels/wgsl").join(mutant.file);
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert_eq!(text.matches(mutant.find).count(), 1, "{}: {:?}", mutant.name, mutant.find);
+            assert_ne!(mutant.find, mutant.replace, "{}", mutant.name);
+            assert!(!mutant.find.contains("=>"), "{}: the build script splits there", mutant.name);
+        }
+    }
+
+    #[test]
+    fn names_are_distinct() {
+        let names: HashSet<_> = MUTANTS.iter().map(|mutant| mutant.name).collect();
+        assert_eq!(names.len(), MUTANTS.len());
+        assert!(names.len() >= 14);
+    }
+}
