@@ -1,6 +1,9 @@
 //! What the proofs share: scenes with known answers, batches of independent estimates, statistics.
 
 pub mod estimate;
+pub mod integrators;
+pub mod reference;
 pub mod scenes;
+pub mod shapes;
 pub mod shared;
 pub mod statistics;

@@ -1,1 +1,240 @@
-//! Scenes with known answers.
+//! Scenes with known answers: the radiance of each pixel in closed form.
+
+use glam::Vec3;
+use midway_film::Image;
+use midway_scene::Scene;
+
+use crate::{
+    estimate::Expected,
+    shapes::{Shape, add, camera, diffuse, glass, mirror},
+};
+
+/// A scene and its image.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// What it is, for messages.
+    pub name: &'static str,
+    /// The scene.
+    pub scene: Scene,
+    /// Its image, exact.
+    pub expected: Expected,
+    /// Whether the integrator `light` sees all of it: no specular surface is in view.
+    pub light_sees: bool,
+}
+
+/// Pixels along both sides: whole blocks.
+pub const SIZE: usize = 32;
+
+impl Known {
+    fn new(name: &'static str, scene: Scene, light_sees: bool, radiance: impl Fn(f64, f64) -> Vec3) -> Self {
+        let mean = Image::from_fn(SIZE, SIZE, |x, y| pixel_mean(x, y, &radiance).to_array());
+        Self { name, scene, expected: Expected { mean, standard_error: None }, light_sees }
+    }
+}
+
+/// All of them.
+pub fn all() -> Vec<Known> {
+    vec![
+        white_furnace(),
+        specular_furnace(),
+        closed_sphere(),
+        closed_sphere_with_an_area_light(),
+        facing_squares(),
+        mirror_box(),
+        lamp_in_glass(),
+        camera_in_glass(),
+    ]
+}
+
+/// The mean over a pixel of what is seen at points of the film in [-1, 1]², y up.
+fn pixel_mean(x: usize, y: usize, radiance: impl Fn(f64, f64) -> Vec3) -> Vec3 {
+    // Midpoints of 8 x 8 cells: for images as smooth as these an error below 1e-5.
+    const CELLS: usize = 8;
+    let place = |pixel: usize, cell: usize| {
+        2.0 * (pixel as f64 + (cell as f64 + 0.5) / CELLS as f64) / SIZE as f64 - 1.0
+    };
+    let cells = (0..CELLS * CELLS).map(|i| radiance(place(x, i % CELLS), -place(y, i / CELLS)));
+    cells.sum::<Vec3>() / (CELLS * CELLS) as f32
+}
+
+/// Radiance 1 everywhere, by surfaces that each emit what they do not reflect.
+fn furnace(reflectance: Vec3) -> midway_scene::Material {
+    diffuse(reflectance, Vec3::ONE - reflectance)
+}
+
+/// White furnace: a room and things in it, each emitting 1 - ρ. Radiance is 1 everywhere, whatever
+/// the shapes. Diffuse things in view, a mirror and glass behind the camera.
+pub fn white_furnace() -> Known {
+    let mut scene = furnace_room();
+    add(
+        &mut scene,
+        Shape::icosphere(1, Vec3::new(-0.4, -0.6, -0.4), 0.35),
+        furnace(Vec3::new(0.9, 0.5, 0.2)),
+    );
+    let (least, most) = (Vec3::new(0.1, -1.0, -0.6), Vec3::new(0.5, -0.1, -0.2));
+    add(&mut scene, Shape::cuboid(least, most), furnace(Vec3::splat(0.7)));
+    add(&mut scene, Shape::icosphere(1, Vec3::new(-0.6, 0.3, 1.6), 0.25), mirror(1.0));
+    add(&mut scene, Shape::icosphere(2, Vec3::new(0.6, -0.4, 1.6), 0.3), glass(1.5));
+    Known::new("white furnace", scene, true, |_, _| Vec3::ONE)
+}
+
+/// White furnace with a mirror of reflectance 1 and clear glass in view.
+pub fn specular_furnace() -> Known {
+    let mut scene = furnace_room();
+    add(&mut scene, Shape::icosphere(2, Vec3::new(-0.45, -0.5, -0.4), 0.4), mirror(1.0));
+    add(&mut scene, Shape::icosphere(3, Vec3::new(0.45, -0.4, -0.2), 0.4), glass(1.5));
+    Known::new("specular furnace", scene, false, |_, _| Vec3::ONE)
+}
+
+fn furnace_room() -> Scene {
+    let mut scene = Scene::default();
+    let room = Shape::cuboid(Vec3::splat(-1.0), Vec3::new(1.0, 1.0, 2.0)).inside_out();
+    add(&mut scene, room, furnace(Vec3::new(0.4, 0.5, 0.6)));
+    scene.cameras.push(camera(Vec3::new(0.0, 0.0, 1.2), Vec3::ZERO, 60.0));
+    scene
+}
+
+/// A closed surface, everywhere of emission Le and albedo ρ: radiance is Le / (1 - ρ). The camera is
+/// inside, off the centre.
+pub fn closed_sphere() -> Known {
+    let (reflectance, emission) = (Vec3::new(0.8, 0.5, 0.2), Vec3::new(1.0, 0.5, 0.25));
+    let mut scene = Scene::default();
+    add(&mut scene, Shape::icosphere(2, Vec3::ZERO, 1.0).inside_out(), diffuse(reflectance, emission));
+    scene.cameras.push(camera(Vec3::new(0.3, 0.2, 0.1), -Vec3::Z, 70.0));
+    Known::new("closed sphere", scene, true, move |_, _| emission / (Vec3::ONE - reflectance))
+}
+
+/// An integrating sphere: a twentieth of it emits Le. As every point of a sphere sees every other
+/// alike, a wall that does not emit has radiance ρ / (1 - ρ) times the mean of Le over the sphere.
+/// Of 5120 triangles: the mean over its walls is exact (all that is emitted lands), and facets of
+/// 0.04 radians change the uniformity by their square.
+pub fn closed_sphere_with_an_area_light() -> Known {
+    let (reflectance, emission) = (Vec3::new(0.8, 0.5, 0.2), Vec3::new(20.0, 20.0, 40.0));
+    let sphere = Shape::icosphere(4, Vec3::ZERO, 1.0).inside_out();
+    // Cuts keep the triangles of a face together: this is one face of the icosahedron.
+    let (lamp, wall) = sphere.split(|triangle| triangle < 256);
+    let share = (lamp.area() / (lamp.area() + wall.area())) as f32;
+    let [a, b, c] = [0, 1, 2].map(|i| lamp.positions[lamp.triangles[255][i] as usize]);
+    let mut scene = Scene::default();
+    scene.cameras.push(camera(Vec3::ZERO, -(a + b + c), 70.0));
+    add(&mut scene, lamp, diffuse(reflectance, emission));
+    add(&mut scene, wall, diffuse(reflectance, Vec3::ZERO));
+    let indirect = share * emission * reflectance / (Vec3::ONE - reflectance);
+    Known::new("closed sphere with an area light", scene, true, move |_, _| indirect)
+}
+
+/// Half the side of the facing squares; they are 1 apart.
+const HALF: f64 = 0.5;
+
+/// A black square that emits, and one of albedo ρ that faces it and fills the film: one bounce, of
+/// radiance ρ Le F with F the form factor of a point and a rectangle.
+pub fn facing_squares() -> Known {
+    let (reflectance, emission) = (Vec3::new(0.9, 0.5, 0.3), Vec3::new(3.0, 4.0, 5.0));
+    let (x, y) = (Vec3::X, Vec3::Y);
+    let mut scene = Scene::default();
+    add(&mut scene, Shape::parallelogram(Vec3::new(-0.5, -0.5, 0.0), x, y), diffuse(reflectance, Vec3::ZERO));
+    add(&mut scene, Shape::parallelogram(Vec3::new(-0.5, -0.5, 1.0), y, x), diffuse(Vec3::ZERO, emission));
+    // From 0.8 above, half the field of view is atan(0.5 / 0.8).
+    let fov = 2.0 * (HALF as f32 / 0.8).atan().to_degrees();
+    scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.8), Vec3::ZERO, fov));
+    Known::new("facing squares", scene, true, move |x, y| {
+        point_to_square(x * HALF, y * HALF, 1.0) as f32 * reflectance * emission
+    })
+}
+
+/// The form factor from a point to the parallel square of side 1 about the axis, at a distance, by
+/// its four corners (Howell, Menguc and Siegel 2010, factor B-3).
+fn point_to_square(x: f64, y: f64, distance: f64) -> f64 {
+    let corner = |x: f64, y: f64| {
+        let (a, b) = (x / distance, y / distance);
+        let (p, q) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
+        (a / p * (b / p).atan() + b / q * (a / q).atan()) / std::f64::consts::TAU
+    };
+    let (left, right, low, high) = (HALF + x, HALF - x, HALF + y, HALF - y);
+    corner(left, low) + corner(left, high) + corner(right, low) + corner(right, high)
+}
+
+/// A box of perfect mirrors but for one wall, black and emitting, behind the camera: radiance is Le
+/// everywhere.
+pub fn mirror_box() -> Known {
+    let emission = Vec3::new(1.0, 2.0, 0.5);
+    // The last wall is at +z. Nearer side walls than -z: most of the film shows several mirrors.
+    let walls = Shape::cuboid(Vec3::new(-0.4, -0.5, -1.0), Vec3::new(0.6, 0.5, 1.0)).inside_out();
+    let (mirrors, lamp) = walls.split(|triangle| triangle < 10);
+    let mut scene = Scene::default();
+    add(&mut scene, mirrors, mirror(1.0));
+    add(&mut scene, lamp, diffuse(Vec3::ZERO, emission));
+    scene.cameras.push(camera(Vec3::new(0.0, 0.1, 0.5), Vec3::new(0.0, 0.1, -1.0), 70.0));
+    Known::new("mirror box", scene, false, move |_, _| emission)
+}
+
+/// Index of the glass of the two scenes below.
+const IOR: f64 = 1.5;
+
+/// A specular sphere lit from within: glass about a black ball that emits Le, larger than 1 / n of
+/// the sphere, so that every ray that enters meets it. Radiance is (1 - F) Le / n² by Fresnel's F at
+/// the place where the sphere is seen.
+pub fn lamp_in_glass() -> Known {
+    const DISTANCE: f64 = 3.0;
+    const HALF_WIDTH: f64 = 0.2; // at distance 1
+    let emission = Vec3::new(1.0, 2.0, 4.0);
+    let mut scene = Scene::default();
+    add(&mut scene, Shape::icosphere(5, Vec3::ZERO, 1.0).smooth(Vec3::ZERO), glass(IOR as f32));
+    add(&mut scene, Shape::icosphere(4, Vec3::ZERO, 0.8), diffuse(Vec3::ZERO, emission));
+    let fov = 2.0 * (HALF_WIDTH as f32).atan().to_degrees();
+    scene.cameras.push(camera(Vec3::Z * DISTANCE as f32, Vec3::ZERO, fov));
+    Known::new("lamp in glass", scene, false, move |x, y| {
+        let tan2 = HALF_WIDTH * HALF_WIDTH * (x * x + y * y);
+        // The ray's distance from the centre is the sine of the angle at the sphere of radius 1.
+        let sin2_i = DISTANCE * DISTANCE * tan2 / (1.0 + tan2);
+        emission * ((1.0 - fresnel(sin2_i)) / (IOR * IOR)) as f32
+    })
+}
+
+/// Fresnel's reflectance of the glass from outside, unpolarised.
+fn fresnel(sin2_i: f64) -> f64 {
+    let (cos_i, cos_t) = ((1.0 - sin2_i).sqrt(), (1.0 - sin2_i / (IOR * IOR)).sqrt());
+    let parallel = (IOR * cos_i - cos_t) / (IOR * cos_i + cos_t);
+    let perpendicular = (cos_i - IOR * cos_t) / (cos_i + IOR * cos_t);
+    0.5 * (parallel * parallel + perpendicular * perpendicular)
+}
+
+/// A camera in the middle of glass in a room of radiance 1: it sees n².
+pub fn camera_in_glass() -> Known {
+    let mut scene = furnace_room();
+    add(&mut scene, Shape::icosphere(3, Vec3::ZERO, 0.5), glass(IOR as f32));
+    scene.cameras = vec![camera(Vec3::new(0.01, 0.02, 0.0), -Vec3::Z, 60.0)];
+    Known::new("camera in glass", scene, false, |_, _| Vec3::splat((IOR * IOR) as f32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean over the receiver is the form factor of two squares (factor C-11).
+    #[test]
+    fn both_form_factors_of_squares_agree() {
+        let known = facing_squares();
+        let mean = known.expected.mean.mean();
+        let pair = 2.0 / std::f64::consts::PI
+            * (0.5 * (4.0f64 / 3.0).ln() + 2.0 * 2.0f64.sqrt() * (1.0 / 2.0f64.sqrt()).atan()
+                - 2.0 * 1.0f64.atan());
+        assert!((pair - 0.199_825).abs() < 1e-6, "{pair}");
+        for (mean, factor) in mean.into_iter().zip([2.7, 2.0, 1.5]) {
+            assert!((mean / (factor * pair) - 1.0).abs() <= 1e-5, "{mean}");
+        }
+    }
+
+    #[test]
+    fn fresnel_at_normal_incidence_is_4_percent() {
+        assert!((fresnel(0.0) - 0.04).abs() < 1e-12);
+        assert!((fresnel(1.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn scenes_are_valid() {
+        for known in all() {
+            assert!(known.scene.validate().is_ok(), "{}", known.name);
+        }
+    }
+}

@@ -97,8 +97,7 @@ fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
     if x > (a + 1.0) / (a + b + 2.0) {
         return 1.0 - incomplete_beta(b, a, 1.0 - x);
     }
-    let front =
-        (ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b) + a * x.ln() + b * (-x).ln_1p()).exp() / a;
+    let front = (ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b) + a * x.ln() + b * (-x).ln_1p()).exp() / a;
     let fraction = continued_fraction(|i| {
         let m = f64::from(i / 2);
         if i == 0 {
@@ -170,7 +169,9 @@ mod tests {
     /// Values of tables.
     #[test]
     fn tails_are_those_of_the_tables() {
-        for (t, degrees, p) in [(2.131, 15.0, 0.05), (4.073, 15.0, 0.001), (1.96, 1e9, 0.05), (12.706, 1.0, 0.05)] {
+        for (t, degrees, p) in
+            [(2.131, 15.0, 0.05), (4.073, 15.0, 0.001), (1.96, 1e9, 0.05), (12.706, 1.0, 0.05)]
+        {
             let got = student_two_sided(t, degrees);
             assert!((got - p).abs() <= 2e-3 * p + 2e-5, "t {t}: {got}");
         }
