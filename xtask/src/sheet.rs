@@ -16,7 +16,7 @@ const INK: [u8; 3] = [224, 224, 220];
 
 /// A picture with its caption.
 pub struct Cell {
-    /// Below the picture.
+    /// Below the picture, cut to its width.
     pub caption: String,
     /// All of a sheet's pictures have the same size.
     pub image: Image,
@@ -55,7 +55,9 @@ impl Sheet {
             for (column, cell) in cells.iter().enumerate() {
                 let [x, y] = [GAP + column * (width + GAP), GAP + title_height + row * row_height];
                 canvas.picture([x, y], &cell.image, display);
-                canvas.text([x, y + height + GAP / 2], &cell.caption, 1);
+                let n_fitting = width / font::ADVANCE;
+                let caption: String = cell.caption.chars().take(n_fitting).collect();
+                canvas.text([x, y + height + GAP / 2], &caption, 1);
             }
         }
         canvas
