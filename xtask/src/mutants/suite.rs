@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, File},
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Command, ExitStatus, Stdio},
     thread,
     time::{Duration, Instant},
@@ -18,7 +18,8 @@ const PACKAGE: &str = "midway-tests";
 const TEST: &str = "proofs";
 /// A mutant may make paths endless: whoever takes this long is caught.
 const TIME_LIMIT: Duration = Duration::from_secs(900);
-const POLL: Duration = Duration::from_millis(100);
+/// Between two looks at the log.
+const POLL: Duration = Duration::from_millis(200);
 
 /// The proofs as built.
 pub struct Suite {
@@ -59,7 +60,7 @@ impl Suite {
         Ok(Self { binary, log: target.join("proofs.log") })
     }
 
-    /// Runs the proofs whose name contains `filter`.
+    /// Runs the proofs whose name contains `filter`, until one fails.
     ///
     /// # Errors
     /// If the binary cannot be run, or passes without running a test.
@@ -74,18 +75,35 @@ impl Suite {
             .spawn()
             .with_context(|| self.binary.display().to_string())?;
         let start = Instant::now();
-        let status = loop {
-            if let Some(status) = child.try_wait()? {
-                break status;
-            }
-            if start.elapsed() > TIME_LIMIT {
+        while child.try_wait()?.is_none() {
+            let failure = if start.elapsed() > TIME_LIMIT {
+                Some(format!("not done after {} s", TIME_LIMIT.as_secs()))
+            } else {
+                first_failure(&self.read_log()?)
+            };
+            if let Some(failure) = failure {
                 child.kill()?;
                 child.wait()?;
-                return Ok(Verdict::Failed(format!("not done after {} s", TIME_LIMIT.as_secs())));
+                return Ok(Verdict::Failed(failure));
             }
             thread::sleep(POLL);
-        };
-        verdict(status, &self.log)
+        }
+        self.verdict(child.wait()?)
+    }
+
+    fn read_log(&self) -> Result<String> {
+        Ok(String::from_utf8_lossy(&fs::read(&self.log)?).into_owned())
+    }
+
+    fn verdict(&self, status: ExitStatus) -> Result<Verdict> {
+        let text = self.read_log()?;
+        if !status.success() {
+            return Ok(Verdict::Failed(first_failure(&text).unwrap_or_else(|| status.to_string())));
+        }
+        match n_passed(&text) {
+            Some(n) if n > 0 => Ok(Verdict::Passed(n)),
+            _ => bail!("no proof ran: see {}", self.log.display()),
+        }
     }
 }
 
@@ -95,17 +113,6 @@ fn executable(messages: &str) -> Option<PathBuf> {
         let is_test = message["profile"]["test"] == Value::Bool(true) && message["target"]["name"] == TEST;
         is_test.then(|| message["executable"].as_str().map(PathBuf::from))?
     })
-}
-
-fn verdict(status: ExitStatus, log: &Path) -> Result<Verdict> {
-    let text = String::from_utf8_lossy(&fs::read(log)?).into_owned();
-    if !status.success() {
-        return Ok(Verdict::Failed(first_failure(&text).unwrap_or_else(|| status.to_string())));
-    }
-    match n_passed(&text) {
-        Some(n) if n > 0 => Ok(Verdict::Passed(n)),
-        _ => bail!("no proof ran: see {}", log.display()),
-    }
 }
 
 /// The name in the first `test NAME ... FAILED`.

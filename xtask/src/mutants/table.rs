@@ -17,6 +17,10 @@ pub struct Mutant {
 
 /// Every proof.
 const ANY: &str = "";
+/// Closed forms that a mutant must upset: scenes of a second or so.
+const FACING_SQUARES: &str = "facing_squares";
+const LIT_SPHERE: &str = "a_closed_sphere_with_an_area_light";
+const LAMP_IN_GLASS: &str = "a_lamp_in_glass";
 
 /// The mutants.
 pub const MUTANTS: &[Mutant] = &[
@@ -25,42 +29,42 @@ pub const MUTANTS: &[Mutant] = &[
         file: "shade_camera.wgsl",
         find: "let geometry = abs(dot(vertex.surface.ns, wi)) * abs(cos_light) / distance_squared;",
         replace: "let geometry = abs(dot(vertex.surface.ns, wi)) / distance_squared;",
-        caught_by: ANY,
+        caught_by: FACING_SQUARES,
     },
     Mutant {
         name: "swapped-pdf-fwd-rev",
         file: "bindings/vertex.wgsl",
         find: "factor, cos_out, pdf_fwd, pdf_rev, vertex.ending",
         replace: "factor, cos_out, pdf_rev, pdf_fwd, vertex.ending",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "missing-light-pmf",
         file: "generate_light.wgsl",
         find: "light.pmf / light.area",
         replace: "1.0 / light.area",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "missing-eta-squared",
         file: "lib/bsdf.wgsl",
         find: "select(1.0, 1.0 / (eta * eta), mode == TRANSPORT_RADIANCE)",
         replace: "1.0",
-        caught_by: ANY,
+        caught_by: LAMP_IN_GLASS,
     },
     Mutant {
         name: "splat-not-divided-by-light-paths",
         file: "connect_camera.wgsl",
         find: "cosine * pdf_camera / params.splat_factor * strategy_weight",
         replace: "cosine * pdf_camera * strategy_weight",
-        caught_by: ANY,
+        caught_by: FACING_SQUARES,
     },
     Mutant {
         name: "reservoir-weight-n-over-k",
         file: "bindings/join_choice.wgsl",
         find: "f32(n) / f32(min(params.k, n))",
         replace: "f32(n) / f32(params.k)",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "reservoir-without-choice-chance",
@@ -74,7 +78,7 @@ pub const MUTANTS: &[Mutant] = &[
         file: "bindings/join_choice.wgsl",
         find: "f32(n_vertices) / (f32(params.k) * f32(params.n_light_paths))",
         replace: "(f32(params.k) * f32(params.n_light_paths)) / f32(n_vertices)",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "pool-count-in-mis-weight",
@@ -96,21 +100,21 @@ pub const MUTANTS: &[Mutant] = &[
         file: "bindings/join_choice.wgsl",
         find: "1.0 / (y.ending * vertex.ending)",
         replace: "1.0",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "nee-counted-twice",
         file: "shade_camera.wgsl",
         find: "let weight = mis_weight_emitter(",
         replace: "let weight = 2.0 * mis_weight_emitter(",
-        caught_by: ANY,
+        caught_by: FACING_SQUARES,
     },
     Mutant {
         name: "join-without-inverse-square",
         file: "bindings/join_choice.wgsl",
         find: "* (cosines / distance_squared)",
         replace: "* cosines",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "adjoint-factor-dropped",
@@ -124,27 +128,27 @@ pub const MUTANTS: &[Mutant] = &[
         file: "bindings/vertex.wgsl",
         find: "scattered.weight / vertex.survival;",
         replace: "scattered.weight;",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "hit-weight-without-emission-density",
         file: "lib/mis.wgsl",
         find: "factor_s1 * pdf_direct_area) + state.dvc * mis_power(config, pdf_emission);",
         replace: "factor_s1 * pdf_direct_area);",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "splat-weight-without-its-rivals",
         file: "lib/mis.wgsl",
         find: "mis_weight(config, config.splat, mis_power(config, pdf_y_area) * light_earlier)",
         replace: "mis_weight(config, config.splat, 0.0)",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "delta-vertex-keeps-its-strategy",
         file: "lib/mis.wgsl",
         find: "MisState(0.0, mis_power(config, cos_out) * state.dvc, ending)",
-        replace: "MisState(1.0, mis_power(config, cos_out) * state.dvc, ending)",
+        replace: "MisState(state.dvcm, mis_power(config, cos_out) * state.dvc, ending)",
         caught_by: ANY,
     },
 ];
