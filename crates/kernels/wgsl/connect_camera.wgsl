@@ -31,8 +31,8 @@ fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let vertex = load_join_vertex(stored);
     let pdf_camera = camera_pdf_sa(params.camera, film_point.z) / distance_squared;
     let cosine = light_end_cosine(stored, vertex, wi);
-    var weight = 1.0;
-    if (stored.s > 1u) {
+    var weight = 1.0; // `light` has no other strategy: no camera path hits what it sees
+    if (stored.s > 1u && has_flag(FLAG_HIT)) {
         let pdf_y = pdf_camera * abs(dot(vertex.surface.ng, wi));
         weight = mis_weight_splat(mis_config(), pdf_y, light_earlier(stored, vertex, wi));
     }
