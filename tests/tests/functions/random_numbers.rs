@@ -1,0 +1,130 @@
+//! The counter-based generator: uniform in one dimension, and in pairs along every axis that
+//! kernels draw from.
+
+use midway_kernels::native::lib;
+use wgsl_cpu::runtime::Vec4;
+
+use crate::{
+    chi_square::{ChiSquare, histogram, histogram2},
+    support::Random,
+};
+
+const SIDE: u32 = 512;
+
+fn draw(path: u32, sample: u32, dimension: u32) -> Vec4<f32> {
+    lib::unit_float(lib::pcg4d(Vec4::new(path, sample, dimension, 1)))
+}
+
+/// Each (path, sample) of a block of counters, as kernels count.
+fn counters() -> impl Iterator<Item = (u32, u32)> {
+    (0..SIDE * SIDE).map(|i| (i % SIDE, i / SIDE))
+}
+
+#[test]
+fn every_component_is_uniform() {
+    let dimension = lib::dimension(lib::DRAW_SCATTER, 1);
+    for component in 0..4u32 {
+        let values = counters().map(|(path, sample)| draw(path, sample, dimension).at(component));
+        ChiSquare::uniform(&histogram(1000, values)).assert_holds(&format!("component {component}"));
+    }
+}
+
+/// What one draw says of another: of the next pixel, the next sample, the next depth, another
+/// purpose, the light path of the same index, another component, another seed.
+#[test]
+fn pairs_are_uniform() {
+    let at = |path, sample, dimension| draw(path, sample, dimension);
+    let here = lib::dimension(lib::DRAW_SCATTER, 0);
+    type Pair<'a> = (&'a str, Box<dyn Fn(u32, u32) -> (f32, f32)>);
+    let pairs: [Pair<'_>; 9] = [
+        ("pixels", Box::new(move |p, s| (at(p, s, here).x, at(p + 1, s, here).x))),
+        ("samples", Box::new(move |p, s| (at(p, s, here).x, at(p, s + 1, here).x))),
+        ("depths", Box::new(move |p, s| (at(p, s, here).x, at(p, s, here + 1).x))),
+        ("purposes", Box::new(move |p, s| (at(p, s, here).x, at(p, s, lib::dimension(lib::DRAW_NEE, 0)).x))),
+        (
+            "camera and light",
+            Box::new(move |p, s| {
+                let light = lib::dimension(lib::DRAW_LIGHT + lib::DRAW_SCATTER, 0);
+                (at(p, s, here).y, at(p, s, light).y)
+            }),
+        ),
+        ("x and y", Box::new(move |p, s| (at(p, s, here).x, at(p, s, here).y))),
+        ("y and z", Box::new(move |p, s| (at(p, s, here).y, at(p, s, here).z))),
+        ("z and w", Box::new(move |p, s| (at(p, s, here).z, at(p, s, here).w))),
+        (
+            "seeds",
+            Box::new(move |p, s| (at(p, s, here).x, lib::unit_float(lib::pcg4d(Vec4::new(p, s, here, 2))).x)),
+        ),
+    ];
+    for (what, pair) in &pairs {
+        let test = ChiSquare::uniform(&histogram2(32, counters().map(|(path, sample)| pair(path, sample))));
+        test.assert_holds(what);
+        assert!(test.p <= 1.0 - 1e-6, "{what}: more even than chance, {test}");
+    }
+}
+
+/// The tests above see dependence: neighbouring counters hashed by a weak multiplication.
+#[test]
+fn a_weak_hash_is_rejected() {
+    let weak = |i: u32| (i.wrapping_mul(0x9e37_79b1) >> 8) as f32 / 16_777_216.0;
+    let pairs = (0..SIDE * SIDE).map(|i| (weak(i), weak(i + 1)));
+    ChiSquare::uniform(&histogram2(32, pairs)).assert_rejects("a multiplicative hash");
+}
+
+#[test]
+fn unit_floats_are_below_one() {
+    let u = lib::unit_float(Vec4::splat(u32::MAX));
+    assert_eq!(u.x, 1.0 - 1.0 / 16_777_216.0);
+    assert_eq!(lib::unit_float(Vec4::splat(255)).x, 0.0);
+}
+
+#[test]
+fn uniform_indices_are_uniform_and_in_range() {
+    let mut random = Random::new(20);
+    for n in [1, 2, 7, 100, 1000] {
+        let mut counts = vec![0; n as usize];
+        for _ in 0..200_000 {
+            counts[lib::uniform_index(random.unit(), n) as usize] += 1;
+        }
+        if n > 1 {
+            ChiSquare::uniform(&counts).assert_holds(&format!("uniform_index of {n}"));
+        }
+        assert_eq!(lib::uniform_index(1.0, n), n - 1);
+        assert_eq!(lib::uniform_index(0.0, n), 0);
+    }
+}
+
+#[test]
+fn uniform_index_bits_is_the_high_word_of_the_product() {
+    let mut random = Random::new(21);
+    for i in 0..100_000u64 {
+        let (bits, n) = (random.bits() as u32, random.bits() as u32 >> (i % 32));
+        let expected = (u64::from(bits) * u64::from(n)) >> 32;
+        assert_eq!(u64::from(lib::uniform_index_bits(bits, n)), expected, "{bits} of {n}");
+    }
+    assert_eq!(lib::uniform_index_bits(u32::MAX, u32::MAX), u32::MAX - 1);
+}
+
+#[test]
+fn table_indices_cover_the_table() {
+    const ENTRIES: u32 = 1024;
+    let mut counts = vec![0; ENTRIES as usize];
+    for (path, sample) in counters() {
+        counts[lib::table_index(path, sample, 0x10000, 7, ENTRIES) as usize] += 1;
+    }
+    let mean = f64::from(SIDE * SIDE / ENTRIES);
+    assert!(counts.iter().all(|&n: &u64| n as f64 >= 0.5 * mean && n as f64 <= 2.0 * mean), "uneven");
+}
+
+#[test]
+fn purposes_do_not_share_dimensions() {
+    let purposes = [lib::DRAW_FILM, lib::DRAW_SCATTER, lib::DRAW_NEE, lib::DRAW_EMIT_POINT];
+    let purposes =
+        purposes.into_iter().chain([lib::DRAW_EMIT_DIRECTION, lib::DRAW_RESERVOIR, lib::DRAW_JOIN]);
+    let mut seen = std::collections::HashSet::new();
+    for purpose in purposes.flat_map(|p| [p, p + lib::DRAW_LIGHT]) {
+        for depth in [0, 1, 2, 0xffff] {
+            assert!(seen.insert(lib::dimension(purpose, depth)), "{purpose:#x} at {depth}");
+        }
+    }
+}
