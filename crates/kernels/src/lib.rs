@@ -29,8 +29,6 @@ pub mod constants {
 
 /// The pure functions of `wgsl/lib`, translated: for tests, and for hosts that need the same maths.
 pub mod native {
-    use wgsl_cpu::runtime::Vec4;
-
     #[allow(unused, nonstandard_style, missing_docs, clippy::all, clippy::undocumented_unsafe_blocks)]
     #[doc(hidden)]
     pub mod lib {
@@ -39,7 +37,7 @@ pub mod native {
 
     /// Four uniform numbers in [0, 1) for a counter: what kernels draw.
     pub fn random4(index: u32, sample: u32, dimension: u32, seed: u32) -> [f32; 4] {
-        let u = lib::unit_float(lib::pcg4d(Vec4 { x: index, y: sample, z: dimension, w: seed }));
+        let u = lib::unit_float(lib::draw_bits(index, sample, dimension, seed));
         [u.x, u.y, u.z, u.w]
     }
 }

@@ -89,7 +89,7 @@ fn random(path: u32, sample: u32, dim: u32) -> vec4<f32> {
     if (params.n_random != 0u) {
         return scene[params.random_at + table_index(path, sample, dim, params.seed, params.n_random)];
     }
-    return unit_float(pcg4d(vec4<u32>(path, sample, dim, params.seed)));
+    return unit_float(draw_bits(path, sample, dim, params.seed));
 }
 
 /// A light for u in [0, 1); n_lights > 0.

@@ -27,6 +27,23 @@ fn pcg4d(key: vec4<u32>) -> vec4<u32> {
     return v;
 }
 
+/// A 32-bit mixer of low bias (Wellons' lowbias32, as improved by degski and TheIronBorn).
+fn mix32(key: u32) -> u32 {
+    var x = key;
+    x ^= x >> 16u;
+    x *= 0x21f0aaadu;
+    x ^= x >> 15u;
+    x *= 0xd35a2d97u;
+    x ^= x >> 15u;
+    return x;
+}
+
+/// The bits of a draw. The dimension is mixed first: pcg4d alone maps keys that differ in a high bit
+/// only to correlated numbers (by 45 standard errors, which made joins 0.4 % dark).
+fn draw_bits(path: u32, sample: u32, dim: u32, seed: u32) -> vec4<u32> {
+    return pcg4d(vec4<u32>(path, sample, mix32(dim), seed));
+}
+
 /// Uniform in [0, 1): 24 bits, so never 1.
 fn unit_float(bits: vec4<u32>) -> vec4<f32> {
     return vec4<f32>(bits >> vec4<u32>(8u)) * (1.0 / 16777216.0);

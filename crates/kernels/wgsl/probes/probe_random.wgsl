@@ -8,7 +8,7 @@ fn probe_random(@builtin(global_invocation_id) id: vec3<u32>) {
     if (id.x >= probe_count()) {
         return;
     }
-    let bits = pcg4d(vec4<u32>(id.x, id.x / 7u, dimension(DRAW_NEE, id.x % 5u), 12345u));
+    let bits = draw_bits(id.x, id.x / 7u, dimension(DRAW_NEE, id.x % 5u), 12345u);
     probe_output(id.x, 0u, unit_float(bits));
     probe_output(id.x, 1u, vec4<f32>(vec4<u32>(uniform_index(unit_float(bits).x, 1000u), uniform_index(0.9999999, 7u),
         table_index(id.x, 3u, bits.x, 9u, 4096u), bits.y >> 16u)));
