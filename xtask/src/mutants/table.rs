@@ -83,9 +83,9 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "pool-count-in-mis-weight",
         file: "bindings/join_choice.wgsl",
-        find: "join_factor(config, y.ending, vertex.ending), pdf_y, light_earlier",
-        replace: "select(config.join, f32(params.k * params.n_light_paths) / f32(light_paths[pool_size_at()]), \
-                  has_flag(FLAG_POOL)) * y.ending * vertex.ending, pdf_y, light_earlier",
+        find: "let config = mis_config();",
+        replace: "var config = mis_config(); if (has_flag(FLAG_POOL) && params.join == JOIN_K_STEP) { \
+                  config.join = f32(params.k * params.n_light_paths) / f32(light_paths[pool_size_at()]); }",
         caught_by: ANY,
     },
     Mutant {
