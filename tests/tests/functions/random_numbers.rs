@@ -10,9 +10,10 @@ use crate::{
 };
 
 const SIDE: u32 = 512;
+const SEED: u32 = 1;
 
 fn draw(path: u32, sample: u32, dimension: u32) -> Vec4<f32> {
-    lib::unit_float(lib::draw_bits(path, sample, dimension, 1))
+    lib::unit_float(lib::draw_bits(path, sample, dimension, SEED))
 }
 
 /// Each (path, sample) of a block of counters, as kernels count.
@@ -80,6 +81,71 @@ fn draws_that_meet_in_a_join_are_independent() {
         let what = format!("purpose {other:#x}, depth {depth}, component {component}");
         ChiSquare::uniform(&histogram2(16, pairs)).assert_holds(&what);
     }
+}
+
+/// Every purpose's dimension at the first depths, those of camera paths and of light paths.
+fn dimensions() -> Vec<u32> {
+    let purposes = [
+        lib::DRAW_FILM,
+        lib::DRAW_SCATTER,
+        lib::DRAW_NEE,
+        lib::DRAW_EMIT_POINT,
+        lib::DRAW_EMIT_DIRECTION,
+        lib::DRAW_RESERVOIR,
+        lib::DRAW_RESERVOIR + 1,
+        lib::DRAW_JOIN,
+        lib::DRAW_JOIN + 1,
+    ];
+    let both = purposes.into_iter().flat_map(|purpose| [purpose, purpose + lib::DRAW_LIGHT]);
+    both.flat_map(|purpose| [0, 1, 2].map(|depth| lib::dimension(purpose, depth))).collect()
+}
+
+type Bits = fn(u32, u32, u32, u32) -> Vec4<u32>;
+
+/// The first `CELL_BITS` bits of each component of a draw, for a block of counters.
+fn cells(bits: Bits, dimension: u32) -> [Vec<u8>; 4] {
+    let drawn: Vec<Vec4<u32>> = (0..N_COUNTERS).map(|i| bits(i % 256, i / 256, dimension, SEED)).collect();
+    [0u32, 1, 2, 3].map(|c| drawn.iter().map(|bits| (bits.at(c) >> (32 - CELL_BITS)) as u8).collect())
+}
+
+const N_COUNTERS: u32 = 1 << 15;
+const CELL_BITS: u32 = 3;
+
+/// The least p-value of a chi-square test of independence over all components of all pairs of
+/// dimensions, at counters `shift` apart, times the number of tests.
+fn least_p_of_all_pairs(bits: Bits, shift: usize) -> f64 {
+    let all: Vec<Vec<u8>> = dimensions().into_iter().flat_map(|dim| cells(bits, dim)).collect();
+    let (mut least, mut n) = (f64::INFINITY, 0);
+    for (i, a) in all.iter().enumerate() {
+        for b in &all[i + 1..] {
+            let mut counts = [0u64; 1 << (2 * CELL_BITS)];
+            for (x, y) in a.iter().zip(&b[shift..]) {
+                counts[usize::from(x << CELL_BITS | y)] += 1;
+            }
+            least = ChiSquare::uniform(&counts).p.min(least);
+            n += 1;
+        }
+    }
+    assert!(n >= 20_000, "{n} pairs");
+    least * f64::from(n)
+}
+
+/// No draw of a path says anything of another one, nor of one of the next path: joins multiply a
+/// camera path's numbers with its light path's, and dependence biases their mean.
+#[test]
+fn all_purposes_are_independent() {
+    for shift in [0, 1] {
+        let p = least_p_of_all_pairs(lib::draw_bits, shift);
+        assert!(p >= 1e-3, "paths {shift} apart: {p:e}");
+    }
+}
+
+/// pcg4d of the bare counters, as it first was: numbers of keys that differ in a high bit only
+/// depend on each other.
+#[test]
+fn bare_pcg4d_is_rejected() {
+    let p = least_p_of_all_pairs(|path, sample, dim, seed| lib::pcg4d(Vec4::new(path, sample, dim, seed)), 0);
+    assert!(p <= 1e-9, "{p:e}");
 }
 
 /// The tests above see dependence: neighbouring counters hashed by a weak multiplication.

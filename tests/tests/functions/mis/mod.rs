@@ -98,9 +98,8 @@ fn share_caught(config: MisConfig, mistake: impl Fn(&Chain) -> (Chain, MisConfig
     let chains = chains(config, 20, 400);
     let caught = chains.iter().filter(|chain| {
         let (walk, walk_config) = mistake(chain);
-        let sum = sum_of_weights(chain, config, &walk, walk_config);
-        // Not `>`: NaN is caught.
-        !((sum - 1.0).abs() <= SUM_TOLERANCE)
+        let error = (sum_of_weights(chain, config, &walk, walk_config) - 1.0).abs();
+        error.is_nan() || error > SUM_TOLERANCE
     });
     caught.count() as f64 / chains.len() as f64
 }
