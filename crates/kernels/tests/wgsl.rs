@@ -156,6 +156,60 @@ fn a_buffer_is_the_same_in_all_kernels() {
     }
 }
 
+/// Probes are how a GPU's functions are compared with the CPU's: what kernels use of `lib/`, they
+/// reach.
+#[test]
+fn probes_reach_every_library_function_that_kernels_use() {
+    let (mut used, mut probed, mut library) = (HashSet::new(), HashSet::new(), HashSet::new());
+    for (kernel, module, _) in modules() {
+        let called = called_functions(&module);
+        if kernel.name.starts_with("probe_") {
+            probed.extend(called);
+        } else {
+            used.extend(called);
+        }
+        if kernel.name == "probe_math" {
+            // Its module is the library and what all probes share.
+            library = module.functions.iter().filter_map(|(_, function)| function.name.clone()).collect();
+        }
+    }
+    let mut missing: Vec<_> = used.intersection(&library).filter(|name| !probed.contains(*name)).collect();
+    missing.sort();
+    assert!(used.len() >= 40 && library.len() >= 40, "{} used, {} there", used.len(), library.len());
+    assert!(missing.is_empty(), "no probe calls {missing:?}");
+}
+
+/// The functions that a module's entry point calls, directly or not.
+fn called_functions(module: &Module) -> HashSet<String> {
+    let mut called = HashSet::new();
+    let mut waiting = Vec::new();
+    calls(&module.entry_points[0].function.body, &mut waiting);
+    while let Some(handle) = waiting.pop() {
+        let function = &module.functions[handle];
+        if called.insert(function.name.clone().expect("named")) {
+            calls(&function.body, &mut waiting);
+        }
+    }
+    called
+}
+
+fn calls(block: &Block, found: &mut Vec<Handle<naga::Function>>) {
+    for statement in block {
+        match statement {
+            Statement::Call { function, .. } => found.push(*function),
+            Statement::Block(block) => calls(block, found),
+            Statement::If { accept, reject, .. } => {
+                [accept, reject].into_iter().for_each(|b| calls(b, found))
+            }
+            Statement::Switch { cases, .. } => cases.iter().for_each(|case| calls(&case.body, found)),
+            Statement::Loop { body, continuing, .. } => {
+                [body, continuing].into_iter().for_each(|b| calls(b, found));
+            }
+            _ => {}
+        }
+    }
+}
+
 /// The checks themselves find what they are to find.
 #[test]
 fn what_breaks_the_rules_is_found() {
