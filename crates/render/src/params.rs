@@ -25,7 +25,8 @@ pub fn base_params(
         crop_y: window.y,
         crop_width: window.width,
         n_pixels: window.width * window.height,
-        seed: settings.seed,
+        // Mixed, so that seeds that differ in one bit are as far apart as any.
+        seed: midway_kernels::native::lib::mix32(settings.seed),
         flags: flags(settings),
         join: match integrator.joins() {
             None => k::JOIN_NONE,

@@ -37,7 +37,7 @@ fn exponential_keeps_its_claim() {
     let near = largest_error(-1.0, 0.0, 1_000_000, error);
     let far = largest_error(-87.0, 0.0, 1_000_000, error);
     println!("largest relative errors: to -1 {near:e}, to -87 {far:e}");
-    assert!(near <= 1e-6, "off by {near:e}");
+    assert!(near <= 3e-7, "off by {near:e}");
     assert!(far <= 4e-6, "off by {far:e}");
     assert_eq!(lib::exp_negative(0.0), 1.0);
     assert_eq!(lib::exp_negative(-0.0), 1.0);
@@ -113,6 +113,9 @@ fn offsets_move_to_the_normals_side() {
         for (by, n) in by.to_array().into_iter().zip(normal.to_array()) {
             assert!(by * n >= 0.0, "a component went against the normal");
         }
+        // Off a wall by more than f32 resolves along it: a shadow ray from afar still ends before it.
+        let resolved = double(p).abs().max_element() * 2f64.powi(-24);
+        assert!(by.length() >= 64.0 * resolved, "{p:?} moved by {} only", by.length());
     }
 }
 
@@ -179,5 +182,4 @@ fn fixed_point_is_monotonic_and_truncates_to_the_quantum() {
 fn luminance_of_grey_is_grey() {
     assert_near(f64::from(lib::luminance(Vec3::splat(0.5))), 0.5, 1e-7, "grey");
     assert_eq!(lib::max3(Vec3::new(1.0, 3.0, 2.0)), 3.0);
-    assert_eq!(lib::sqr(-3.0), 9.0);
 }

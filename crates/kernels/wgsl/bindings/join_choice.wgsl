@@ -62,8 +62,8 @@ fn draw_light_path(id: u32, path: Path) -> u32 {
     if (!has_flag(FLAG_POOL) || params.join == JOIN_K_STEP) {
         return id;
     }
-    let u = random(path.index, path.sample, dimension(DRAW_JOIN, path.depth));
-    return uniform_index(u.x, params.n_light_paths);
+    let bits = random_bits(path.index, path.sample, dimension(DRAW_JOIN, path.depth));
+    return uniform_index_bits(bits.x, params.n_light_paths);
 }
 
 /// How many joins the vertex is to make.
@@ -119,6 +119,11 @@ fn choose_from_reservoir(light_path: u32, j: u32) -> Choice {
     return Choice(slot, total / (f32(params.k) * importance));
 }
 
+/// The slot of a vertex of the pool; all 32 bits, since 24 would favour some of a million.
+fn draw_from_pool(bits: vec4<u32>, n_vertices: u32) -> u32 {
+    return light_paths[pool_table_at() + uniform_index_bits(bits.x, n_vertices)];
+}
+
 /// Pool: uniform with replacement from all V vertices of P paths.
 fn choose_from_pool(path: Path, vertex: Vertex, j: u32) -> Choice {
     let n_vertices = light_paths[pool_size_at()];
@@ -126,8 +131,8 @@ fn choose_from_pool(path: Path, vertex: Vertex, j: u32) -> Choice {
     if (has_flag(FLAG_IMPORTANCE)) {
         return resample_from_pool(path, vertex, j, n_vertices, estimator);
     }
-    let u = random(path.index, path.sample, dimension(DRAW_JOIN + 1u + j, path.depth));
-    return Choice(light_paths[pool_table_at() + uniform_index(u.x, n_vertices)], estimator);
+    let bits = random_bits(path.index, path.sample, dimension(DRAW_JOIN + 1u + j, path.depth));
+    return Choice(draw_from_pool(bits, n_vertices), estimator);
 }
 
 /// Resampled importance sampling (Talbot 2005): one of CANDIDATES by its weighted, unshadowed
@@ -137,13 +142,13 @@ fn resample_from_pool(path: Path, vertex: Vertex, j: u32, n_vertices: u32, estim
     var chosen_target = 0.0;
     var total = 0.0;
     for (var i = 0u; i < CANDIDATES; i += 1u) {
-        let u = random(path.index, path.sample, dimension(DRAW_JOIN + 1u + j * CANDIDATES + i, path.depth));
-        let slot = light_paths[pool_table_at() + uniform_index(u.x, n_vertices)];
+        let bits = random_bits(path.index, path.sample, dimension(DRAW_JOIN + 1u + j * CANDIDATES + i, path.depth));
+        let slot = draw_from_pool(bits, n_vertices);
         let stored = load_light_vertex(slot);
         let candidate = evaluate_join(path, vertex, stored, load_join_vertex(stored));
         let target_value = max3(candidate.contribution) * candidate.mis_weight;
         total += target_value;
-        if (u.y * total < target_value) {
+        if (unit_float(bits).y * total < target_value) {
             chosen = slot;
             chosen_target = target_value;
         }

@@ -84,12 +84,18 @@ fn load_surface(index: u32, u: f32, v: f32) -> Surface {
     return Surface(triangle.v0 + u * triangle.e1 + v * triangle.e2, ng, ns, triangle.material, triangle.light);
 }
 
-/// Four uniform numbers in [0, 1) for a draw of a path: by hash, or from the table.
-fn random(path: u32, sample: u32, dim: u32) -> vec4<f32> {
+/// 32 random bits four times for a draw of a path: by hash, or from the table, whose numbers have 24.
+fn random_bits(path: u32, sample: u32, dim: u32) -> vec4<u32> {
     if (params.n_random != 0u) {
-        return scene[params.random_at + table_index(path, sample, dim, params.seed, params.n_random)];
+        let entry = scene[params.random_at + table_index(path, sample, dim, params.seed, params.n_random)];
+        return vec4<u32>(entry * 16777216.0) << vec4<u32>(8u);
     }
-    return unit_float(draw_bits(path, sample, dim, params.seed));
+    return draw_bits(path, sample, dim, params.seed);
+}
+
+/// Four uniform numbers in [0, 1) for a draw of a path.
+fn random(path: u32, sample: u32, dim: u32) -> vec4<f32> {
+    return unit_float(random_bits(path, sample, dim));
 }
 
 /// A light for u in [0, 1); n_lights > 0.
