@@ -418,7 +418,7 @@ fn lane_size(
     n_lanes: u32,
 ) -> LaneSize {
     let most = match device.info().kind {
-        DeviceKind::Cpu => 4096,
+        DeviceKind::Cpu => 1024,
         DeviceKind::SoftwareGpu => 16_384,
         DeviceKind::Gpu => 524_288,
     };

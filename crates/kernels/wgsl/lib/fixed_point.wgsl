@@ -6,8 +6,8 @@ const FIXED_MAX: f32 = 4294967040.0;
 
 /// A finite value in [0, FIXED_MAX] as (low, high) words; exact for values of 2^-8 and more.
 fn to_fixed(value: f32) -> vec2<u32> {
-    let whole = floor(value);
-    return vec2<u32>(u32((value - whole) * 4294967296.0), u32(whole));
+    let whole = u32(value); // truncates; its float is exact, as a value over 2^24 has no fraction
+    return vec2<u32>(u32((value - f32(whole)) * 4294967296.0), whole);
 }
 
 /// The value of two words, to float rounding.
