@@ -1,5 +1,10 @@
 //! One batch of paths on one lane: its working buffers, and its phases as lists of commands.
 
+use std::{
+    sync::atomic::{AtomicU64, Ordering},
+    time::Duration,
+};
+
 use midway_device::{BoundKernel, Buffer, BufferUsage, Command, Device, DeviceError, MemoryPlan};
 use midway_kernels::{constants as k, layout::Params};
 
@@ -69,6 +74,8 @@ pub struct Lane {
     plan_queue: BoundKernel,
     plan_shadow: BoundKernel,
     trace_shadow: BoundKernel,
+    /// Nanoseconds.
+    longest_run: AtomicU64,
 }
 
 /// The kernels of a lane.
@@ -126,12 +133,18 @@ impl Lane {
             plan_queue: bind("plan_queue")?,
             plan_shadow: bind("plan_shadow")?,
             trace_shadow: bind("trace_shadow")?,
+            longest_run: AtomicU64::new(0),
         })
     }
 
     /// Its size.
     pub fn size(&self) -> LaneSize {
         self.size
+    }
+
+    /// The longest list of commands since this was last asked: no dispatch lasted longer.
+    pub fn take_longest_run(&self) -> Duration {
+        Duration::from_nanos(self.longest_run.swap(0, Ordering::Relaxed))
     }
 
     /// Traces the light subpaths of `params`' batch and keeps their vertices; those that last one
@@ -226,7 +239,8 @@ impl Lane {
         let repeated: Vec<Command> = bounce.iter().cycle().take(bounce.len() * chunk).cloned().collect();
         commands.extend(repeated.iter().cloned());
         loop {
-            device.run(&commands, false)?;
+            let timing = device.run(&commands, false)?;
+            self.longest_run.fetch_max(timing.wall.as_nanos() as u64, Ordering::Relaxed);
             if self.counter(device, k::COUNT_IN)? == 0 {
                 return Ok(());
             }

@@ -22,6 +22,7 @@ mod params;
 mod pool;
 mod renderer;
 mod settings;
+mod sizes;
 
 pub use error::RenderError;
 pub use pack::PackedScene;

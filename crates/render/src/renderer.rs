@@ -1,8 +1,11 @@
 //! The renderer: schedules samples as passes, and passes as batches over the device's lanes.
 
-use std::sync::{
-    Arc, Mutex, PoisonError,
-    atomic::{AtomicU32, Ordering},
+use std::{
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU32, Ordering},
+    },
+    time::Duration,
 };
 
 use midway_device::{BoundKernel, Buffer, BufferUsage, Device, DeviceKind, MemoryPlan};
@@ -15,17 +18,21 @@ use crate::{
     batch::{LANE_KERNELS, Lane, LaneSize, LaneTotals},
     buffers::{BufferSet, Pipelines, dispatch},
     params::{base_params, join_factor},
-    pool::{POOL_KERNELS, Pool, PoolSize},
+    pool::{POOL_KERNELS, Pool},
+    sizes::{Sizes, plan_shared, reserved_slots},
 };
 
 /// Light paths of the pilot that measures L.
 const PILOT_PATHS: u32 = 16_384;
 /// Its seed: fixed, so that L is the same for every seed.
 const PILOT_SEED: u32 = 0x9170_7001;
-/// Light vertices are given this much more room than the pilot's mean asks for.
-const VERTEX_ROOM: f64 = 1.25;
-/// And this many more, for small batches.
-const VERTEX_ROOM_LEAST: u32 = 1024;
+
+/// A GPU's list of commands aims to last at least this long, so that little time goes to waiting…
+const RUN_TARGET: Duration = Duration::from_millis(20);
+/// … and at most this long, so that a desktop's watchdog never fires.
+const RUN_LIMIT: Duration = Duration::from_millis(50);
+/// Paths of a GPU's first batch, before anything was measured.
+const FIRST_BATCH: u32 = 16_384;
 
 /// What a render has done so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,6 +63,8 @@ pub struct Renderer {
     pool: Option<Pool>,
     mean_light_vertices: f32,
     samples: u64,
+    /// Paths of the next batch, by how long the last ones took.
+    batch: AtomicU32,
 }
 
 impl Renderer {
@@ -78,8 +87,8 @@ impl Renderer {
             _ => n_pixels,
         };
         let mut base = base_params(&settings, camera, &packed, n_light_paths);
-        let mut plan = plan_shared(&packed, n_pixels);
-        plan.check(device.info())?;
+        let shared_plan = plan_shared(&packed, n_pixels);
+        shared_plan.check(device.info())?;
         let names: Vec<&'static str> =
             LANE_KERNELS.into_iter().chain(POOL_KERNELS).chain(["resolve"]).collect();
         let pipelines = Pipelines::load(&*device, &names)?;
@@ -90,22 +99,15 @@ impl Renderer {
             base.join_factor = join_factor(&settings, mean_light_vertices);
         }
         let n_lanes = device.lanes() as u32;
-        let size = lane_size(&*device, &settings, mean_light_vertices, n_pixels, n_light_paths, n_lanes);
-        let own_vertices = !settings.integrator.uses_pool();
-        size.plan(&mut plan, u64::from(n_lanes), own_vertices);
-        let pool_size = PoolSize {
-            n_paths: n_light_paths,
-            n_vertices: reserved_slots(&settings, n_light_paths) + size.append_capacity * n_lanes,
-        };
-        if !own_vertices {
-            pool_size.plan(&mut plan);
-        }
-        plan.check(device.info())?;
-        let pool =
-            if own_vertices { None } else { Some(Pool::new(&*device, &pipelines, &mut shared, pool_size)?) };
+        let sizes =
+            Sizes::fit(device.info(), &settings, mean_light_vertices, n_light_paths, n_lanes, &shared_plan)?;
+        let size = sizes.lane;
+        let pool = sizes.pool.map(|size| Pool::new(&*device, &pipelines, &mut shared, size)).transpose()?;
         let lanes = (0..n_lanes)
-            .map(|_| Lane::new(&*device, &pipelines, &shared, size, own_vertices))
+            .map(|_| Lane::new(&*device, &pipelines, &shared, size, pool.is_none()))
             .collect::<Result<Vec<_>, _>>()?;
+        let first_batch =
+            if device.info().kind == DeviceKind::Cpu { size.n_paths } else { size.n_paths.min(FIRST_BATCH) };
         let resolve_params =
             device.create_buffer("params", size_of::<Params>() as u64, BufferUsage::Uniform)?;
         let mut resolve_set = shared.clone();
@@ -122,11 +124,12 @@ impl Renderer {
             device,
             settings,
             base,
-            plan,
+            plan: sizes.plan,
             lanes,
             pool,
             mean_light_vertices,
             samples: 0,
+            batch: AtomicU32::new(first_batch),
         })
     }
 
@@ -279,7 +282,7 @@ impl Renderer {
             let end = params.n_light_paths.min((index as u32 + 1) * lane_paths);
             let mut first = index as u32 * lane_paths;
             while first < end {
-                let n = size.n_paths.min(end - first);
+                let n = self.batch.load(Ordering::Relaxed).min(end - first);
                 let at = used[index].load(Ordering::Relaxed);
                 let batch = Params {
                     first_path: first,
@@ -299,6 +302,7 @@ impl Renderer {
                     }
                     used[index].fetch_add(n_vertices, Ordering::Relaxed);
                 }
+                self.adapt_batch(n, lane);
                 first += n;
             }
             Ok(())
@@ -317,15 +321,31 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let next = AtomicU32::new(0);
         self.for_each_lane(|device, _, lane| {
-            let batch = lane.size().n_paths;
             loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                let Some(first) = index.checked_mul(batch).filter(|&first| first < n_places) else {
+                let n = self.batch.load(Ordering::Relaxed);
+                let claim = |first: u32| (first < n_places).then(|| first + n.min(n_places - first));
+                let Ok(first) = next.fetch_update(Ordering::Relaxed, Ordering::Relaxed, claim) else {
                     return Ok(());
                 };
-                run(device, lane, first, batch.min(n_places - first))?;
+                run(device, lane, first, n.min(n_places - first))?;
+                self.adapt_batch(n, lane);
             }
         })
+    }
+
+    /// Doubles or halves a GPU's batch by how long its lists of commands took; any batch gives the
+    /// same samples.
+    fn adapt_batch(&self, n: u32, lane: &Lane) {
+        if self.device.info().kind == DeviceKind::Cpu {
+            return;
+        }
+        let longest = lane.take_longest_run();
+        let adapted = match longest {
+            _ if longest > RUN_LIMIT => (n / 2).max(1),
+            _ if longest < RUN_TARGET => (n * 2).min(lane.size().n_paths),
+            _ => n,
+        };
+        self.batch.store(adapted, Ordering::Relaxed);
     }
 
     /// Runs `work` once for each lane, at once where the device can; the first error counts.
@@ -345,16 +365,6 @@ impl Renderer {
         unsafe { self.device.for_each_lane(&run) };
         failure.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }
-}
-
-fn plan_shared(packed: &PackedScene, n_pixels: u32) -> MemoryPlan {
-    let mut plan = MemoryPlan::default();
-    plan.fixed("nodes", size_of_val(&packed.nodes[..]) as u64);
-    plan.fixed("triangles", size_of_val(&packed.triangles[..]) as u64);
-    plan.fixed("scene", size_of_val(&packed.scene[..]) as u64);
-    plan.fixed("film", u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4);
-    plan.fixed("image", u64::from(n_pixels) * 16);
-    plan
 }
 
 /// Copies the scene to the device and makes the film.
@@ -396,47 +406,4 @@ fn measure_light_vertices(
     let n = lane.trace_light_paths(device, &params)?;
     // At least one vertex in the whole pilot, so that K / L stays finite.
     Ok(n.max(1) as f32 / PILOT_PATHS as f32)
-}
-
-/// Slots of light vertices that the join needs before the appended ones.
-fn reserved_slots(settings: &RenderSettings, n_paths: u32) -> u32 {
-    let integrator = &settings.integrator;
-    match integrator.joins() {
-        Some(Join::SingleStep) => n_paths,
-        Some(Join::KStep) if !integrator.uses_pool() => n_paths * integrator.k,
-        _ => 0,
-    }
-}
-
-/// The size of a lane's buffers.
-fn lane_size(
-    device: &dyn Device,
-    settings: &RenderSettings,
-    mean_light_vertices: f32,
-    n_pixels: u32,
-    n_light_paths: u32,
-    n_lanes: u32,
-) -> LaneSize {
-    let most = match device.info().kind {
-        DeviceKind::Cpu => 1024,
-        DeviceKind::SoftwareGpu => 16_384,
-        DeviceKind::Gpu => 524_288,
-    };
-    let wanted = if device.info().kind == DeviceKind::Cpu { most } else { most.max(n_pixels.min(most)) };
-    let n_paths = wanted;
-    let room = |paths: u32| {
-        (f64::from(paths) * (f64::from(mean_light_vertices) * VERTEX_ROOM + 1.0)) as u32 + VERTEX_ROOM_LEAST
-    };
-    let integrator = &settings.integrator;
-    let append_capacity = match (integrator.joins(), integrator.uses_pool()) {
-        (Some(Join::Full), false) => room(n_paths),
-        (Some(Join::Full | Join::KStep), true) => room(n_light_paths.div_ceil(n_lanes)),
-        // Projected at once: one vertex a path and bounce.
-        _ => n_paths,
-    };
-    LaneSize {
-        n_paths,
-        append_at: if integrator.uses_pool() { 0 } else { reserved_slots(settings, n_paths) },
-        append_capacity,
-    }
 }

@@ -1,0 +1,116 @@
+//! How large the working buffers are: as large as pays, or as fits.
+
+use midway_device::{DeviceInfo, DeviceKind, MemoryPlan};
+use midway_kernels::constants as k;
+
+use crate::{Join, PackedScene, RenderError, RenderSettings, batch::LaneSize, pool::PoolSize};
+
+/// Light vertices are given this much more room than the pilot's mean asks for.
+const VERTEX_ROOM: f64 = 1.25;
+/// And this many more, for small batches.
+const VERTEX_ROOM_LEAST: u32 = 1024;
+/// Batches smaller than this are not tried on a device that is too small.
+const SMALLEST_BATCH: u32 = 4096;
+
+/// The sizes of a render's working buffers, and the plan with all its memory.
+pub struct Sizes {
+    /// Of each lane.
+    pub lane: LaneSize,
+    /// Of the pool, where joins draw from one.
+    pub pool: Option<PoolSize>,
+    /// Everything, what lanes share included.
+    pub plan: MemoryPlan,
+}
+
+impl Sizes {
+    /// The largest batch that pays on the device, halved until the plan fits.
+    ///
+    /// # Errors
+    /// If even the smallest batch does not fit.
+    pub fn fit(
+        device: &DeviceInfo,
+        settings: &RenderSettings,
+        mean_light_vertices: f32,
+        n_light_paths: u32,
+        n_lanes: u32,
+        shared: &MemoryPlan,
+    ) -> Result<Self, RenderError> {
+        let mut n_paths = match device.kind {
+            DeviceKind::Cpu => 1024,
+            DeviceKind::SoftwareGpu => 16_384,
+            DeviceKind::Gpu => 1 << 20,
+        };
+        loop {
+            let sizes = Self::of(n_paths, settings, mean_light_vertices, n_light_paths, n_lanes, shared);
+            match sizes.plan.check(device) {
+                Ok(()) => return Ok(sizes),
+                Err(error) if n_paths <= SMALLEST_BATCH => return Err(error.into()),
+                Err(_) => n_paths /= 2,
+            }
+        }
+    }
+
+    fn of(
+        n_paths: u32,
+        settings: &RenderSettings,
+        mean_light_vertices: f32,
+        n_light_paths: u32,
+        n_lanes: u32,
+        shared: &MemoryPlan,
+    ) -> Self {
+        let uses_pool = settings.integrator.uses_pool();
+        let lane = lane_size(n_paths, settings, mean_light_vertices, n_light_paths, n_lanes);
+        let pool = uses_pool.then(|| PoolSize {
+            n_paths: n_light_paths,
+            n_vertices: reserved_slots(settings, n_light_paths) + lane.append_capacity * n_lanes,
+        });
+        let mut plan = shared.clone();
+        lane.plan(&mut plan, u64::from(n_lanes), !uses_pool);
+        if let Some(pool) = pool {
+            pool.plan(&mut plan);
+        }
+        Self { lane, pool, plan }
+    }
+}
+
+fn lane_size(
+    n_paths: u32,
+    settings: &RenderSettings,
+    mean_light_vertices: f32,
+    n_light_paths: u32,
+    n_lanes: u32,
+) -> LaneSize {
+    let room = |paths: u32| {
+        (f64::from(paths) * (f64::from(mean_light_vertices) * VERTEX_ROOM + 1.0)) as u32 + VERTEX_ROOM_LEAST
+    };
+    let integrator = &settings.integrator;
+    let append_capacity = match (integrator.joins(), integrator.uses_pool()) {
+        (Some(Join::Full), false) => room(n_paths),
+        (Some(Join::Full | Join::KStep), true) => room(n_light_paths.div_ceil(n_lanes)),
+        // Projected at once: one vertex a path and bounce.
+        _ => n_paths,
+    };
+    let append_at = if integrator.uses_pool() { 0 } else { reserved_slots(settings, n_paths) };
+    LaneSize { n_paths, append_at, append_capacity }
+}
+
+/// Slots of light vertices that the join needs before the appended ones.
+pub fn reserved_slots(settings: &RenderSettings, n_paths: u32) -> u32 {
+    let integrator = &settings.integrator;
+    match integrator.joins() {
+        Some(Join::SingleStep) => n_paths,
+        Some(Join::KStep) if !integrator.uses_pool() => n_paths * integrator.k,
+        _ => 0,
+    }
+}
+
+/// The memory that all lanes share, whatever their size.
+pub fn plan_shared(packed: &PackedScene, n_pixels: u32) -> MemoryPlan {
+    let mut plan = MemoryPlan::default();
+    plan.fixed("nodes", size_of_val(&packed.nodes[..]) as u64);
+    plan.fixed("triangles", size_of_val(&packed.triangles[..]) as u64);
+    plan.fixed("scene", size_of_val(&packed.scene[..]) as u64);
+    plan.fixed("film", u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4);
+    plan.fixed("image", u64::from(n_pixels) * 16);
+    plan
+}
