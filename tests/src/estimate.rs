@@ -191,7 +191,9 @@ fn means(image: &Image, in_use: &[bool]) -> (Vec<Option<f64>>, f64) {
 pub struct Agreement {
     /// The least p-value over the blocks, by Welch's t-test.
     pub least_p: f64,
-    /// The block and channel that has it (`Blocks::blocks`).
+    /// The least over those where the first is the brighter.
+    pub least_p_above: f64,
+    /// The block and channel that has the least (`Blocks::blocks`).
     pub worst: usize,
     /// The ratio of the means of that block.
     pub worst_ratio: f64,
@@ -211,6 +213,7 @@ impl Agreement {
             .collect();
         let mut agreement = Self {
             least_p: f64::INFINITY,
+            least_p_above: f64::INFINITY,
             worst: 0,
             worst_ratio: 1.0,
             level: sidak(FAMILY_LEVEL, pairs.len()),
@@ -219,6 +222,10 @@ impl Agreement {
         };
         for (index, a, b) in pairs {
             let p = a.p_value(&b);
+            // NaN counts as brighter.
+            if a.mean.partial_cmp(&b.mean).is_none_or(|order| order.is_gt()) {
+                agreement.least_p_above = agreement.least_p_above.min(p);
+            }
             if p < agreement.least_p {
                 agreement.least_p = p;
                 agreement.worst = index;
@@ -241,6 +248,12 @@ impl Agreement {
     /// The mean is within a relative bound.
     pub fn mean_within(&self, bound: f64) -> bool {
         (self.ratio - 1.0).abs() <= bound
+    }
+
+    /// Nothing is significantly brighter. All that can be said of an estimate with a heavy tail: few
+    /// samples miss the tail, and look dark and sure of it.
+    pub fn nothing_is_brighter(&self) -> bool {
+        self.least_p_above >= self.level && self.ratio - 1.0 <= MEAN_ERRORS * self.ratio_error
     }
 
     /// No block differs significantly, nor does the mean.

@@ -18,7 +18,7 @@ impl Case {
     }
 
     /// The same with another source of light vertices.
-    fn from_pool(mut self, cost: f64) -> Self {
+    fn with_pool(mut self, cost: f64) -> Self {
         self.settings.light_paths = LightPaths::Pool(None);
         self.cost = cost;
         self
@@ -67,7 +67,7 @@ pub const KS: [u32; 3] = [1, 3, 50];
 
 /// All joins of `bdpt`, with one light path a sample and from a pool.
 pub fn joins() -> Vec<Case> {
-    let mut cases = vec![full(), full().from_pool(3.2)];
+    let mut cases = vec![full(), full().with_pool(3.2)];
     for k in KS {
         let uniform = k_step(k, JoinChoice::Uniform);
         let importance = k_step(k, JoinChoice::Importance);
@@ -75,15 +75,15 @@ pub fn joins() -> Vec<Case> {
         cases.extend([
             uniform,
             importance,
-            uniform.from_pool(2.4 + 0.4 * joins),
-            importance.from_pool(3.0 + 1.4 * joins),
+            uniform.with_pool(2.4 + 0.4 * joins),
+            importance.with_pool(3.0 + 1.4 * joins),
         ]);
     }
     for (nee, splat) in [(false, false), (true, false), (false, true), (true, true)] {
         cases.push(single_step(nee, splat));
     }
-    cases.push(single_step(false, false).from_pool(1.5));
-    cases.push(single_step(true, true).from_pool(2.2));
+    cases.push(single_step(false, false).with_pool(1.5));
+    cases.push(single_step(true, true).with_pool(2.2));
     cases
 }
 

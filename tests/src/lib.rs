@@ -2,6 +2,7 @@
 
 pub mod estimate;
 pub mod integrators;
+pub mod own;
 pub mod reference;
 pub mod scenes;
 pub mod shapes;

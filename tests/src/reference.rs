@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use midway_film::ExrFile;
+use midway_film::{ExrFile, Image};
 use midway_scene::Scene;
 
 use crate::{
@@ -24,10 +24,15 @@ pub struct Yardstick {
     pub on_specular: Vec<bool>,
     /// Pixels none of which shows a specular surface.
     pub off_specular: Vec<bool>,
+    /// Pixels that show a lamp, and their neighbours.
+    pub on_lamp: Vec<bool>,
 }
 
 /// Our pixels are so many of the reference's wide and high (64 x 64 of 256 x 256).
 const PIXEL: usize = 4;
+/// What is brighter than this share of the brightest emission is taken for a lamp: lit surfaces and
+/// caustics of the three scenes reach 2.5 %, the rims of their lamps begin at 4 %.
+const LAMP: f32 = 0.03;
 
 impl Yardstick {
     /// The Cornell box.
@@ -58,20 +63,35 @@ impl Yardstick {
             Some(mask) => mask.block_means(PIXEL).pixels.iter().map(|p| p[0]).collect(),
             None => vec![0.0; mean.pixels.len()],
         };
+        let brightest = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
         Some(Self {
             name,
             scene,
             size: mean.width as u32,
             on_specular: specular.iter().map(|&share| share == 1.0).collect(),
             off_specular: specular.iter().map(|&share| share == 0.0).collect(),
+            on_lamp: near_brighter_than(&mean, LAMP * brightest),
             expected: Expected { mean, standard_error: Some(standard_error) },
         })
     }
 
-    /// Every pixel.
-    pub fn everywhere(&self) -> Vec<bool> {
-        vec![true; self.off_specular.len()]
+    /// Pixels that show lit surfaces: no specular one, and no lamp, which is seen with weight 1 by
+    /// whatever integrator and would hide the rest behind the noise of its rim (in B a lamp of 4
+    /// pixels has 44 % of the image's mean).
+    pub fn lit(&self) -> Vec<bool> {
+        self.off_specular.iter().zip(&self.on_lamp).map(|(off, lamp)| *off && !lamp).collect()
     }
+}
+
+/// Pixels of which one of the 3 x 3 about them is brighter.
+fn near_brighter_than(image: &Image, threshold: f32) -> Vec<bool> {
+    let (width, height) = (image.width, image.height);
+    let near = |at: usize, size: usize| at.saturating_sub(1)..(at + 2).min(size);
+    let is_near = |i: usize| {
+        let mut rows = near(i / width, height);
+        rows.any(|y| near(i % width, width).any(|x| image.pixels[y * width + x][0] > threshold))
+    };
+    (0..image.pixels.len()).map(is_near).collect()
 }
 
 fn read(path: &Path) -> ExrFile {

@@ -94,10 +94,15 @@ fn furnace_room() -> Scene {
     scene
 }
 
+/// Emission of [`closed_sphere`].
+pub const SPHERE_EMISSION: [f32; 3] = [1.0, 0.5, 0.25];
+/// Its albedo.
+pub const SPHERE_ALBEDO: [f32; 3] = [0.8, 0.5, 0.2];
+
 /// A closed surface, everywhere of emission Le and albedo ρ: radiance is Le / (1 - ρ). The camera is
 /// inside, off the centre.
 pub fn closed_sphere() -> Known {
-    let (reflectance, emission) = (Vec3::new(0.8, 0.5, 0.2), Vec3::new(1.0, 0.5, 0.25));
+    let (reflectance, emission) = (Vec3::from_array(SPHERE_ALBEDO), Vec3::from_array(SPHERE_EMISSION));
     let mut scene = Scene::default();
     add(&mut scene, Shape::icosphere(2, Vec3::ZERO, 1.0).inside_out(), diffuse(reflectance, emission));
     scene.cameras.push(camera(Vec3::new(0.3, 0.2, 0.1), -Vec3::Z, 70.0));

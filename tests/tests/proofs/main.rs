@@ -1,0 +1,12 @@
+//! Proofs at the level of images: what the estimators converge to, and that the same seed gives
+//! the same bits. `cargo test --release -p midway-tests --test proofs -- --nocapture` prints each
+//! error; `MIDWAY_NIGHTLY=1` takes more samples and holds means to 0.3 %.
+
+mod closed_forms;
+mod degenerate;
+mod devices;
+mod joins;
+mod references;
+mod repeatability;
+mod strategies;
+mod support;
