@@ -24,6 +24,8 @@ use crate::{
 };
 
 fn main() -> ExitCode {
+    // SAFETY: no other thread runs yet.
+    unsafe { midway_device::keep_drivers_quiet() };
     let status = guard::catching_panics(run);
     ExitCode::from(status.code())
 }
