@@ -78,6 +78,21 @@ impl Renderer {
         camera: &Camera,
         settings: RenderSettings,
     ) -> Result<Self, RenderError> {
+        Self::with_plan(device, scene, camera, settings, |_| {})
+    }
+
+    /// As [`Renderer::new`]; `tell` is handed the plan before the working buffers are taken (the
+    /// scene is on the device by then: the pilot that sizes them needs it).
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn with_plan(
+        device: Arc<dyn Device>,
+        scene: &Scene,
+        camera: &Camera,
+        settings: RenderSettings,
+        tell: impl FnOnce(&MemoryPlan),
+    ) -> Result<Self, RenderError> {
         settings.validate()?;
         let packed = PackedScene::new(scene, camera, settings.rng_table)?;
         let window = settings.window();
@@ -101,6 +116,7 @@ impl Renderer {
         let n_lanes = device.lanes() as u32;
         let sizes =
             Sizes::fit(device.info(), &settings, mean_light_vertices, n_light_paths, n_lanes, &shared_plan)?;
+        tell(&sizes.plan);
         let size = sizes.lane;
         let pool = sizes.pool.map(|size| Pool::new(&*device, &pipelines, &mut shared, size)).transpose()?;
         let lanes = (0..n_lanes)

@@ -32,8 +32,9 @@ impl RenderJob {
         scene: &Scene,
         frame: &Frame,
         settings: RenderSettings,
+        tell: impl FnOnce(&MemoryPlan),
     ) -> Outcome<Self> {
-        let renderer = Renderer::new(device, scene, &frame.camera, settings).map_err(failure)?;
+        let renderer = Renderer::with_plan(device, scene, &frame.camera, settings, tell).map_err(failure)?;
         Ok(Self { renderer, stats: RenderStats::default() })
     }
 

@@ -13,7 +13,7 @@ mod watch;
 
 use std::{path::Path, time::Duration};
 
-use midway_device::{OpenOptions, open_device};
+use midway_device::{Bytes, MemoryPlan, OpenOptions, open_device};
 use midway_film::{Display, ToneMap, check_writable};
 
 use crate::{
@@ -53,12 +53,17 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     let meter = args.reference.as_deref().map(new_meter).transpose()?;
     let settings = job::settings(args, &frame);
     let header = header::of_request(args, &scene, &frame, device.info());
-    let job = RenderJob::start(device.clone(), &scene, &frame, settings)?;
+    let info = device.info();
+    reporter.note(&format!("device: {} ({})", info.name, info.backend));
+    let tell = |plan: &MemoryPlan| match args.verbose {
+        true => reporter.note(&format!("memory:\n{plan}")),
+        false => reporter.note(&format!("memory: {}", Bytes(plan.total()))),
+    };
+    let job = RenderJob::start(device.clone(), &scene, &frame, settings, tell)?;
 
     let session = Session {
         limits: limits(args.spp, args.time),
         snapshots: watch::SnapshotClock::new(args.snapshot_every),
-        verbose: args.verbose,
         framing: frame.framing(),
         outputs,
         reporter,

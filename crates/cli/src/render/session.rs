@@ -1,6 +1,6 @@
 //! A render from its first pass to its files.
 
-use midway_device::{Bytes, DeviceInfo};
+use midway_device::DeviceInfo;
 use midway_film::{ErrorRow, Framing, Image, Metadata};
 use midway_render::RenderStats;
 use serde_json::json;
@@ -33,12 +33,10 @@ pub struct Session {
     pub snapshots: SnapshotClock,
     /// What it is measured against.
     pub meter: Option<ErrorMeter>,
-    /// Whether all details are told.
-    pub verbose: bool,
 }
 
 impl Session {
-    /// Says what is about to happen: device, memory, integrator, bias.
+    /// Says what is about to happen: integrator, bias.
     ///
     /// # Errors
     /// If standard output cannot take it.
@@ -46,12 +44,6 @@ impl Session {
         let [width, height] = frame.image_size();
         let memory = job.memory();
         let bias = job.bias();
-        self.reporter.note(&format!("device: {} ({})", device.name, device.backend));
-        if self.verbose {
-            self.reporter.note(&format!("memory:\n{memory}"));
-        } else {
-            self.reporter.note(&format!("memory: {}", Bytes(memory.total())));
-        }
         self.reporter.note(&format!("integrator: {}, {width}x{height} pixels", job.integrator()));
         bias.iter().for_each(|bias| self.reporter.note(&format!("bias: {bias}")));
         let outputs: Vec<_> = self.outputs.paths().map(|path| path.to_string_lossy()).collect();
