@@ -9,6 +9,7 @@ mod run;
 mod staging;
 
 use std::{
+    collections::HashMap,
     path::Path,
     sync::{Arc, Mutex, OnceLock, PoisonError},
     time::Instant,
@@ -43,6 +44,8 @@ pub struct GpuDevice {
     faults: Faults,
     cache: Option<PipelineCache>,
     staging: Mutex<Staging>,
+    /// Pipelines by the address of their kernel's record, so that each is compiled once.
+    loaded: Mutex<HashMap<usize, Pipeline>>,
     /// Made by the first timed run; held while one is under way.
     clock: OnceLock<Mutex<Clock>>,
 }
@@ -79,6 +82,7 @@ impl GpuDevice {
             // Without one the kernels are compiled at each start.
             cache: cache.ok().flatten(),
             staging: Mutex::default(),
+            loaded: Mutex::default(),
             clock: OnceLock::new(),
         })
     }
@@ -187,8 +191,16 @@ impl Device for GpuDevice {
 
     fn load_kernel(&self, kernel: &'static Kernel) -> Result<Pipeline, DeviceError> {
         self.check().kernel(kernel)?;
+        let key = std::ptr::from_ref(kernel).addr();
+        let loaded = || self.loaded.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = loaded().get(&key) {
+            return Ok(pipeline.clone());
+        }
+        // Compiled without the lock: several threads may load kernels at once.
         let ready = Ready::new(self, kernel)?;
-        Ok(Pipeline { kernel, device: self.id, inner: Arc::new(ready) })
+        let pipeline = Pipeline { kernel, device: self.id, inner: Arc::new(ready) };
+        loaded().insert(key, pipeline.clone());
+        Ok(pipeline)
     }
 
     fn bind(&self, pipeline: &Pipeline, buffers: &[&Buffer]) -> Result<BoundKernel, DeviceError> {
