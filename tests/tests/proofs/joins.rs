@@ -8,8 +8,8 @@ use midway_tests::{
 
 use crate::support::{Report, estimate, in_turn};
 
-/// Samples a pixel by `path`: about 8 s a case.
-const SAMPLES: u64 = 768;
+/// Samples a pixel by `path`: about 4 s a case.
+const SAMPLES: u64 = 384;
 
 /// The paper's single-step loses energy; ours divides by the chance of having ended.
 #[test]

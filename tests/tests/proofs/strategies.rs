@@ -30,14 +30,14 @@ fn with_strategy(settings: &RenderSettings, s: u32, t: u32, raw: bool) -> Render
 /// the geometry term is constant), so that a few seconds show 0.4 % of each.
 #[test]
 fn each_strategy_alone_has_the_radiance_of_its_path_length() {
-    const LONGEST: u32 = 6;
     let _turn = in_turn();
+    let longest = if is_nightly() { 8 } else { 5 };
     let known = scenes::closed_sphere();
     let (emission, albedo) =
         (Vec3::from_array(scenes::SPHERE_EMISSION), Vec3::from_array(scenes::SPHERE_ALBEDO));
     let in_use = vec![true; scenes::SIZE * scenes::SIZE];
     let mut report = Report::default();
-    for (s, t) in (3..=LONGEST).flat_map(|n| (0..n).map(move |s| (s, n - s))) {
+    for (s, t) in (3..=longest).flat_map(|n| (0..n).map(move |s| (s, n - s))) {
         // Splats are few: many more of them, by the integrator that makes nothing else.
         let (case, samples) = if t == 1 { (integrators::light(), 64) } else { (integrators::full(), 10) };
         let settings = with_strategy(&settings(scenes::SIZE, case.settings, 1), s, t, true);
