@@ -23,10 +23,8 @@ use crate::support::{Report, estimate, estimate_again, in_turn};
 
 /// Samples a pixel by `path`, about 4 s a case on two cores; others get as many as take as long.
 const SAMPLES: u64 = 384;
-/// Scene C, where nearly all light is indirect: its dark blocks are still skewed after fewer.
-const SAMPLES_C: u64 = 768;
 
-fn prove(yardstick: Option<Yardstick>, samples: u64, is_heavy: impl Fn(&Case) -> bool) {
+fn prove(yardstick: Option<Yardstick>, is_heavy: impl Fn(&Case) -> bool) {
     let _turn = in_turn();
     let Some(yardstick) = yardstick else { return };
     let in_use = yardstick.lit();
@@ -52,18 +50,18 @@ fn prove(yardstick: Option<Yardstick>, samples: u64, is_heavy: impl Fn(&Case) ->
 
 #[test]
 fn scene_a_has_the_radiance_of_the_reference() {
-    prove(Yardstick::a(), SAMPLES, |_| false);
+    prove(Yardstick::a(), |_| false);
 }
 
 #[test]
 fn scene_b_off_the_sphere_has_the_radiance_of_the_reference() {
     // Without splats the caustic is found by s = 0 alone.
-    prove(Yardstick::b(), SAMPLES, |case| !case.settings.uses_splat());
+    prove(Yardstick::b(), |case| !case.settings.uses_splat());
 }
 
 #[test]
 fn scene_c_has_the_radiance_of_the_reference() {
-    prove(Yardstick::c(), SAMPLES_C, |case| !case.settings.uses_light_paths());
+    prove(Yardstick::c(), |case| !case.settings.uses_light_paths());
 }
 
 /// On the sphere s = 0 dominates, with a heavy tail: the caustic seen through glass.
