@@ -2,8 +2,8 @@
 //! passes, schedules samples.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let (scene, device): (midway_scene::Scene, std::sync::Arc<dyn midway_device::Device>) = todo!();
+//! # use std::{error::Error, sync::Arc};
+//! # fn render(scene: midway_scene::Scene, device: Arc<dyn midway_device::Device>) -> Result<(), Box<dyn Error>> {
 //! use midway_render::{RenderSettings, Renderer};
 //! let settings = RenderSettings { width: 256, height: 256, ..RenderSettings::default() };
 //! let mut renderer = Renderer::new(device, &scene, &scene.cameras[0], settings)?;

@@ -62,7 +62,7 @@ fn pairs_are_uniform() {
 }
 
 /// The purposes that meet in one join, component by component. pcg4d on the bare dimension fails
-/// here: purposes differ in high bits only, and joins came out 0.4 % dark.
+/// here: purposes differ in high bits only.
 #[test]
 fn draws_that_meet_in_a_join_are_independent() {
     let camera = lib::DRAW_SCATTER;

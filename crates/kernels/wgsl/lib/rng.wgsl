@@ -39,7 +39,7 @@ fn mix32(key: u32) -> u32 {
 }
 
 /// The bits of a draw. The dimension is mixed first: pcg4d alone maps keys that differ in a high bit
-/// only to correlated numbers (by 45 standard errors, which made joins 0.4 % dark).
+/// only to correlated numbers (scatter draws of the two subpaths of a sample, by 45 standard errors).
 fn draw_bits(path: u32, sample: u32, dim: u32, seed: u32) -> vec4<u32> {
     return pcg4d(vec4<u32>(path, sample, mix32(dim), seed));
 }
