@@ -128,6 +128,19 @@ pub fn closed_sphere_with_an_area_light() -> Known {
     Known::new("closed sphere with an area light", scene, true, move |_, _| indirect)
 }
 
+/// A ball of 80 facets with the normals of a sphere, below a wide lamp in a grey room.
+pub fn coarse_smooth_ball() -> Scene {
+    let mut scene = Scene::default();
+    let room = Shape::cuboid(-Vec3::ONE, Vec3::ONE).inside_out();
+    let (ball, centre) = (Vec3::new(0.8, 0.6, 0.4), Vec3::new(0.0, -0.2, 0.0));
+    let lamp = Shape::parallelogram(Vec3::new(-0.6, 0.9, -0.6), 1.2 * Vec3::X, 1.2 * Vec3::Z);
+    add(&mut scene, room, diffuse(Vec3::splat(0.5), Vec3::ZERO));
+    add(&mut scene, Shape::icosphere(1, centre, 0.6).smooth(centre), diffuse(ball, Vec3::ZERO));
+    add(&mut scene, lamp, diffuse(Vec3::ZERO, Vec3::splat(4.0)));
+    scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.95), centre, 80.0));
+    scene
+}
+
 /// Half the side of the facing squares; they are 1 apart.
 const HALF: f64 = 0.5;
 

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use midway_device::Device;
-use midway_render::Integrator;
+use midway_render::{Integrator, JoinChoice, LightPaths};
 use midway_tests::{
     estimate::{Agreement, Blocks, cpu, gpu},
     integrators::{self, Case},
@@ -19,6 +19,8 @@ use crate::support::{Report, estimate, in_turn, mean_bound};
 const SAMPLES: u64 = 256;
 /// On lavapipe, about 10 times slower.
 const GPU_SAMPLES: u64 = 48;
+/// Passes of a small pool, so many pools: what varies is the pools' luck, which all pixels share.
+const POOL_SAMPLES: u64 = 4096;
 
 fn compare(device: &Arc<dyn Device>, known: &Known, case: &Case, samples: u64) -> (String, Agreement) {
     let in_use = vec![true; scenes::SIZE * scenes::SIZE];
@@ -80,6 +82,22 @@ fn a_lamp_in_glass_is_dimmed_by_fresnel_and_the_square_of_the_index() {
 #[test]
 fn a_camera_in_glass_sees_the_square_of_the_index() {
     prove_on_cpu(&scenes::camera_in_glass());
+}
+
+/// A pool of two paths: V and what the paths bring vary together from pass to pass, so that a weight
+/// that follows V is biased, where in a pool of thousands it would not show.
+#[test]
+fn a_pool_of_two_paths_is_as_good() {
+    let _turn = in_turn();
+    let known = scenes::closed_sphere_with_an_area_light();
+    let mut report = Report::default();
+    for choice in [JoinChoice::Uniform, JoinChoice::Importance] {
+        let mut case = integrators::k_step(1, choice);
+        case.settings.light_paths = LightPaths::Pool(Some(2));
+        let (name, agreement) = compare(&cpu(), &known, &case, POOL_SAMPLES);
+        report.check_where_reachable(&name, &agreement);
+    }
+    report.finish();
 }
 
 /// Every scene by an integrator from one end and from both, and every integrator in one scene; that

@@ -2,6 +2,7 @@
 //! the same bits. `cargo test --release -p midway-tests --test proofs -- --nocapture` prints each
 //! error; `MIDWAY_NIGHTLY=1` takes more samples and holds means to 0.3 %.
 
+mod agreement;
 mod closed_forms;
 mod degenerate;
 mod devices;

@@ -15,12 +15,13 @@ pub struct Mutant {
     pub caught_by: &'static str,
 }
 
-/// Every proof.
-const ANY: &str = "";
-/// Closed forms that a mutant must upset: scenes of a second or so.
+/// Proofs that a mutant must upset.
 const FACING_SQUARES: &str = "facing_squares";
 const LIT_SPHERE: &str = "a_closed_sphere_with_an_area_light";
 const LAMP_IN_GLASS: &str = "a_lamp_in_glass";
+const FURNACES: &str = "a_white_furnace";
+const SMALL_POOL: &str = "a_pool_of_two_paths";
+const SHADING_NORMALS: &str = "integrators_agree_on_shading_normals";
 
 /// The mutants.
 pub const MUTANTS: &[Mutant] = &[
@@ -71,7 +72,7 @@ pub const MUTANTS: &[Mutant] = &[
         file: "bindings/join_choice.wgsl",
         find: "total / (f32(params.k) * importance)",
         replace: "f32(n) / f32(params.k)",
-        caught_by: ANY,
+        caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "pool-factor-inverted",
@@ -86,14 +87,14 @@ pub const MUTANTS: &[Mutant] = &[
         find: "let config = mis_config();",
         replace: "var config = mis_config(); if (has_flag(FLAG_POOL) && params.join == JOIN_K_STEP) { \
                   config.join = f32(params.k * params.n_light_paths) / f32(light_paths[pool_size_at()]); }",
-        caught_by: ANY,
+        caught_by: SMALL_POOL,
     },
     Mutant {
         name: "pool-never-regenerated",
         file: "bindings/light_store.wgsl",
         find: "params.first_sample + select(place / params.n_pixels, 0u, has_flag(FLAG_POOL))",
         replace: "select(params.first_sample + place / params.n_pixels, 0u, has_flag(FLAG_POOL))",
-        caught_by: ANY,
+        caught_by: SMALL_POOL,
     },
     Mutant {
         name: "ending-chance-omitted",
@@ -121,7 +122,7 @@ pub const MUTANTS: &[Mutant] = &[
         file: "bindings/vertex.wgsl",
         find: "weight *= adjoint_factor(surface.ng, surface.ns, vertex.wo, scattered.wi);",
         replace: "weight *= 1.0;",
-        caught_by: ANY,
+        caught_by: SHADING_NORMALS,
     },
     Mutant {
         name: "roulette-not-divided-by-survival",
@@ -149,7 +150,7 @@ pub const MUTANTS: &[Mutant] = &[
         file: "lib/mis.wgsl",
         find: "MisState(0.0, mis_power(config, cos_out) * state.dvc, ending)",
         replace: "MisState(state.dvcm, mis_power(config, cos_out) * state.dvc, ending)",
-        caught_by: ANY,
+        caught_by: FURNACES,
     },
 ];
 

@@ -1,0 +1,36 @@
+//! Integrators against each other, where there is no closed form.
+
+use midway_render::Integrator;
+use midway_tests::{
+    estimate::{Agreement, Blocks, cpu},
+    integrators::{self, Case},
+    scenes,
+};
+
+use crate::support::{Report, estimate, in_turn};
+
+/// Samples a pixel by `path`: about 1 s a case.
+const SAMPLES: u64 = 384;
+/// `path-naive` draws nothing that `light` and the joins rely on: it is what they are held to, with
+/// so many times the samples.
+const AGAINST: u64 = 8;
+
+/// Shading normals that differ from the facets' make scattering asymmetric: without the adjoint
+/// factor light paths disagree with camera paths (Veach 1997, section 5.3).
+#[test]
+fn integrators_agree_on_shading_normals() {
+    let _turn = in_turn();
+    let scene = scenes::coarse_smooth_ball();
+    let in_use = vec![true; scenes::SIZE * scenes::SIZE];
+    let blocks = |case: &Case, samples| {
+        Blocks::of_batches(&estimate(&cpu(), &scene, scenes::SIZE, case, samples), &in_use)
+    };
+    let expected = blocks(&integrators::path_naive(), AGAINST * SAMPLES);
+    let mut report = Report::default();
+    let held = integrators::all().into_iter().filter(|case| case.settings.integrator != Integrator::PathNaive);
+    for case in held {
+        let agreement = Agreement::of(&blocks(&case, SAMPLES), &expected);
+        report.check_where_reachable(&case.name(), &agreement);
+    }
+    report.finish();
+}
