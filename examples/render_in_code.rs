@@ -49,27 +49,23 @@ fn render(device: &Arc<dyn Device>, scene: &Scene, integrator: Integrator) -> Re
 
 /// A floor of 4 m by 4 m with a mirror standing at its far end, under a lamp that shines down.
 fn scene() -> Scene {
-    let material = |name: &str, surface, emission| Material {
-        name: name.to_owned(),
-        surface,
-        emission,
-        double_sided: false,
-    };
-    let grey = |level| Surface::Diffuse { reflectance: Vec3::splat(level) };
+    let material = |name: &str, surface| Material { name: name.to_owned(), ..Material::new(surface) };
+    let grey = |level| Surface::diffuse(Vec3::splat(level));
     let floor = quad("floor", 0, Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0);
     let mirror = quad("mirror", 1, Vec3::new(0.0, 1.0, -2.0), Vec3::X * 1.5, Vec3::Y);
     let lamp = quad("lamp", 2, Vec3::new(0.0, 2.0, 0.0), Vec3::X * 0.5, Vec3::Z * 0.5);
     // Looks along -z, a little down.
     let world_from_camera = Mat4::from_translation(Vec3::new(0.0, 1.5, 5.0)) * Mat4::from_rotation_x(-0.15);
     Scene {
-        cameras: vec![Camera { name: String::new(), world_from_camera, yfov: 0.7, aspect: None }],
+        cameras: vec![Camera::perspective(world_from_camera, 0.7)],
         instances: (0..3).map(|mesh| Instance { mesh, world_from_mesh: Mat4::IDENTITY }).collect(),
         meshes: vec![floor, mirror, lamp],
         materials: vec![
-            material("floor", grey(0.6), Vec3::ZERO),
-            material("mirror", Surface::Mirror { reflectance: Vec3::splat(0.9) }, Vec3::ZERO),
-            material("lamp", grey(0.0), Vec3::new(8.0, 7.0, 6.0)),
+            material("floor", grey(0.6)),
+            material("mirror", Surface::mirror(Vec3::splat(0.9))),
+            material("lamp", grey(0.0)).emitting(Vec3::new(8.0, 7.0, 6.0)),
         ],
+        ..Scene::default()
     }
 }
 
@@ -78,8 +74,8 @@ fn quad(name: &str, material: u32, centre: Vec3, x: Vec3, y: Vec3) -> Mesh {
     Mesh {
         name: name.to_owned(),
         positions: vec![centre - x - y, centre + x - y, centre + x + y, centre - x + y],
-        normals: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material,
+        ..Mesh::default()
     }
 }

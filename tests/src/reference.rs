@@ -63,7 +63,7 @@ impl Yardstick {
             Some(mask) => mask.block_means(PIXEL).pixels.iter().map(|p| p[0]).collect(),
             None => vec![0.0; mean.pixels.len()],
         };
-        let brightest = scene.materials.iter().map(|m| m.emission.max_element()).fold(0.0, f32::max);
+        let brightest = scene.materials.iter().map(|m| m.emission.value.max_element()).fold(0.0, f32::max);
         Some(Self {
             name,
             scene,

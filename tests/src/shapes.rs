@@ -7,19 +7,17 @@ use midway_scene::{Camera, Instance, Material, Mesh, Scene, Surface};
 
 /// A diffuse surface that emits from its front.
 pub fn diffuse(reflectance: Vec3, emission: Vec3) -> Material {
-    Material { name: String::new(), surface: Surface::Diffuse { reflectance }, emission, double_sided: false }
+    Material::new(Surface::diffuse(reflectance)).emitting(emission)
 }
 
 /// A mirror of the same reflectance in all directions only if it is 1.
 pub fn mirror(reflectance: f32) -> Material {
-    let surface = Surface::Mirror { reflectance: Vec3::splat(reflectance) };
-    Material { name: String::new(), surface, emission: Vec3::ZERO, double_sided: false }
+    Material::new(Surface::mirror(Vec3::splat(reflectance)))
 }
 
 /// Clear glass.
 pub fn glass(ior: f32) -> Material {
-    let surface = Surface::Dielectric { ior, tint: Vec3::ONE, sigma_a: Vec3::ZERO, thin: false };
-    Material { name: String::new(), surface, emission: Vec3::ZERO, double_sided: false }
+    Material::new(Surface::glass(ior))
 }
 
 /// Triangles without a material.
@@ -161,6 +159,7 @@ pub fn add(scene: &mut Scene, shape: Shape, material: Material) {
         normals: shape.normals,
         triangles: shape.triangles,
         material: scene.materials.len() as u32,
+        ..Mesh::default()
     });
     scene.materials.push(material);
 }

@@ -1,6 +1,6 @@
 //! `midway info`.
 
-use midway_scene::{Bounds, Camera, Material, Scene, Surface};
+use midway_scene::{Bounds, Camera, Material, Projection, Scene, Sides, Surface};
 use serde_json::{Value, json};
 
 use crate::{
@@ -44,15 +44,15 @@ fn material_json(material: &Material) -> Value {
     json!({
         "name": material.name,
         "surface": surface_name(&material.surface),
-        "emission": material.emission.to_array(),
-        "double_sided": material.double_sided,
+        "emission": material.emission.value.to_array(),
+        "emits_both_sides": material.emits == Sides::Both,
     })
 }
 
 fn camera_json(camera: &Camera) -> Value {
     json!({
         "name": camera.name,
-        "yfov_degrees": camera.yfov.to_degrees(),
+        "yfov_degrees": camera.yfov().map(f32::to_degrees),
         "aspect": camera.aspect,
         "position": camera.position().to_array(),
     })
@@ -71,11 +71,15 @@ pub fn to_lines(scene: &Scene) -> Vec<String> {
     ];
     lines.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
         let aspect = camera.aspect.map_or(String::new(), |aspect| format!(", aspect {aspect:.3}"));
-        format!("  {index} {}: {:.1} degrees high{aspect}", name(&camera.name), camera.yfov.to_degrees())
+        let view = match camera.projection {
+            Projection::Perspective { yfov } => format!("{:.1} degrees high", yfov.to_degrees()),
+            Projection::Orthographic { height } => format!("orthographic, {height} high"),
+        };
+        format!("  {index} {}: {view}{aspect}", name(&camera.name))
     }));
     lines.push(format!("materials  {}", counts.materials));
     lines.extend(scene.materials.iter().enumerate().map(|(index, material)| {
-        let [r, g, b] = material.emission.to_array();
+        let [r, g, b] = material.emission.value.to_array();
         let emits = if material.is_emissive() { format!(", emits {r} {g} {b}") } else { String::new() };
         format!("  {index} {}: {}{emits}", name(&material.name), surface_name(&material.surface))
     }));
@@ -89,8 +93,11 @@ fn name(name: &str) -> &str {
 fn surface_name(surface: &Surface) -> &'static str {
     match surface {
         Surface::Diffuse { .. } => "diffuse",
-        Surface::Mirror { .. } => "mirror",
+        Surface::Conductor { .. } => "conductor",
         Surface::Dielectric { thin: false, .. } => "dielectric",
         Surface::Dielectric { thin: true, .. } => "thin dielectric",
+        Surface::Plastic { .. } => "plastic",
+        Surface::MetallicRoughness(_) => "metallic-roughness",
+        Surface::Null => "nothing",
     }
 }

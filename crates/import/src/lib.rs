@@ -79,10 +79,5 @@ fn complete(path: &Path, scene: &mut Scene, warnings: &mut Warnings) -> Result<(
 
 /// What a surface with no material of its own, or none that can be found, looks like.
 fn default_material() -> Material {
-    Material {
-        name: String::new(),
-        surface: Surface::Diffuse { reflectance: Vec3::splat(0.8) },
-        emission: Vec3::ZERO,
-        double_sided: false,
-    }
+    Material { name: String::new(), ..Material::new(Surface::diffuse(Vec3::splat(0.8))) }
 }

@@ -7,7 +7,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 use common::{data_uri, load_json, triangle, triangle_bytes, triangle_with};
 use glam::{Vec3, vec3};
 use midway_import::{Import, WarningKind};
-use midway_scene::{Material, Surface};
+use midway_scene::{Material, Roughness, Sides, Surface};
 use serde_json::{Value, json};
 
 fn import(document: &Value) -> Import {
@@ -36,7 +36,7 @@ fn a_plain_file_has_no_warnings() {
     assert_eq!(mesh.normals, [Vec3::Z; 3]);
     assert_eq!(mesh.triangles, [[0, 1, 2]]);
     let camera = &import.scene.cameras[0];
-    assert_eq!((camera.yfov, camera.position()), (0.7, vec3(0.0, 0.0, 3.0)));
+    assert_eq!((camera.yfov().unwrap(), camera.position()), (0.7, vec3(0.0, 0.0, 3.0)));
 }
 
 #[test]
@@ -45,9 +45,9 @@ fn diffuse_materials() {
     let pbr = json!({"metallicFactor": 0, "baseColorFactor": [0.1, 0.2, 0.3, 0.4]});
     let reflectance = vec3(0.1, 0.2, 0.3);
     let (plain, warnings) = material(json!({"pbrMetallicRoughness": pbr, "extensions": none}));
-    assert_eq!((plain.surface, warnings), (Surface::Diffuse { reflectance }, vec![]));
+    assert_eq!((plain.surface, warnings), (Surface::diffuse(reflectance), vec![]));
     let (layered, warnings) = material(json!({"pbrMetallicRoughness": pbr}));
-    assert_eq!(layered.surface, Surface::Diffuse { reflectance });
+    assert_eq!(layered.surface, Surface::diffuse(reflectance));
     assert_eq!(warnings, [WarningKind::Approximation]);
 }
 
@@ -60,9 +60,9 @@ fn metals_by_roughness() {
     let reflectance = Vec3::splat(0.5);
     let approximated = vec![WarningKind::Approximation];
     for (roughness, surface, warnings) in [
-        (0.0, Surface::Mirror { reflectance }, vec![]),
-        (0.3, Surface::Mirror { reflectance }, approximated.clone()),
-        (0.5, Surface::Diffuse { reflectance }, approximated),
+        (0.0, Surface::mirror(reflectance), vec![]),
+        (0.3, Surface::mirror(reflectance), approximated.clone()),
+        (0.5, Surface::diffuse(reflectance), approximated),
     ] {
         let (found, kinds) = metal(roughness);
         assert_eq!((found.surface, kinds), (surface, warnings), "{roughness}");
@@ -85,9 +85,17 @@ fn glass_thick_and_thin() {
         found.surface
     };
     let tint = vec3(1.0, 0.5, 1.0);
-    let sheet = Surface::Dielectric { ior: 1.5, tint, sigma_a: Vec3::ZERO, thin: true };
+    let smooth = |ior, thin| Surface::Dielectric {
+        ior,
+        reflection: Vec3::ONE.into(),
+        transmission: tint.into(),
+        sigma_a: Vec3::ZERO,
+        thin,
+        roughness: Roughness::smooth(),
+    };
+    let sheet = smooth(1.5, true);
     assert_eq!(glass(Value::Null, Value::Null), sheet);
-    let clear = Surface::Dielectric { ior: 1.33, tint, sigma_a: Vec3::ZERO, thin: false };
+    let clear = smooth(1.33, false);
     assert_eq!(glass(json!({"thicknessFactor": 1}), json!(1.33)), clear);
     let volume =
         json!({"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0.36787944, 0]});
@@ -104,8 +112,8 @@ fn emission_and_sides() {
     let strength = json!({"KHR_materials_emissive_strength": {"emissiveStrength": 20}});
     let emissive = json!({"emissiveFactor": [1, 0.5, 0], "doubleSided": true, "extensions": strength});
     let (found, _) = material(emissive);
-    assert_eq!((found.emission, found.double_sided), (vec3(20.0, 10.0, 0.0), true));
-    assert!(!material(json!({})).0.double_sided);
+    assert_eq!((found.emission, found.emits), (vec3(20.0, 10.0, 0.0).into(), Sides::Both));
+    assert_eq!(material(json!({})).0.emits, Sides::Front);
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod common;
 use common::{Folder, load_bytes};
 use glam::{Vec3, vec3};
 use midway_import::{Import, WarningKind, load};
-use midway_scene::{Material, Surface};
+use midway_scene::{Material, Roughness, Sides, Surface};
 
 /// Two triangles that share an edge, folded by a right angle.
 const FOLDED: &str = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\n";
@@ -26,10 +26,16 @@ fn material(lines: &str) -> (Material, Vec<WarningKind>) {
 #[test]
 fn materials() {
     use WarningKind::{Alpha, Approximation, Repaired, Texture, Unused};
-    let diffuse = |r| Surface::Diffuse { reflectance: Vec3::splat(r) };
-    let mirror = |r| Surface::Mirror { reflectance: Vec3::splat(r) };
-    let glass =
-        |ior, tint| Surface::Dielectric { ior, tint: Vec3::splat(tint), sigma_a: Vec3::ZERO, thin: false };
+    let diffuse = |r| Surface::diffuse(Vec3::splat(r));
+    let mirror = |r| Surface::mirror(Vec3::splat(r));
+    let glass = |ior, tint| Surface::Dielectric {
+        ior,
+        reflection: Vec3::ONE.into(),
+        transmission: Vec3::splat(tint).into(),
+        sigma_a: Vec3::ZERO,
+        thin: false,
+        roughness: Roughness::smooth(),
+    };
     for (lines, surface, warnings) in [
         ("Kd 0.5 0.5 0.5", diffuse(0.5), vec![]),
         ("Kd 0.5\nKs 0 0 0\nillum 2", diffuse(0.5), vec![]),
@@ -54,7 +60,7 @@ fn materials() {
         assert_eq!((found.surface, kinds), (surface, warnings), "{lines:?}");
     }
     let (light, _) = material("Kd 0\nKe 10 5 1");
-    assert_eq!((light.emission, light.double_sided), (vec3(10.0, 5.0, 1.0), false));
+    assert_eq!((light.emission, light.emits), (vec3(10.0, 5.0, 1.0).into(), Sides::Front));
 }
 
 #[test]
@@ -97,7 +103,7 @@ fn missing_libraries_and_materials_are_done_without() {
     assert_eq!(kinds(&import), [WarningKind::MissingFile, WarningKind::Approximation]);
     assert_eq!(import.warnings[0].place, "a.obj:1");
     assert_eq!(import.warnings[1].place, "a.obj:7");
-    let surface = Surface::Diffuse { reflectance: Vec3::splat(0.8) };
+    let surface = Surface::diffuse(Vec3::splat(0.8));
     assert_eq!(import.scene.materials[0].surface, surface);
 }
 

@@ -1,6 +1,6 @@
 //! Area lights: one for each emissive triangle with area, chosen by power through an alias table.
 
-use midway_scene::{Material, WorldTriangle};
+use midway_scene::{Material, Sides, WorldTriangle};
 
 /// One emissive triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,9 +40,9 @@ impl Lights {
             .zip(triangles)
             .filter_map(|(index, triangle)| {
                 let material = &materials[triangle.material as usize];
-                let e = material.emission.as_dvec3();
+                let e = material.emission.value.as_dvec3();
                 let area = triangle.area();
-                let sides = if material.double_sided { 2.0 } else { 1.0 };
+                let sides = if material.emits == Sides::Both { 2.0 } else { 1.0 };
                 let luminance = 0.2126 * e.x + 0.7152 * e.y + 0.0722 * e.z;
                 let power = luminance * f64::from(area) * sides;
                 (power > 0.0 && power.is_finite()).then_some(AreaLight { triangle: index, area, power })

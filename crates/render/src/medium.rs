@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use midway_accel::{Bvh, closest_hit};
-use midway_scene::{Material, Surface, WorldTriangle};
+use midway_scene::{Material, WorldTriangle};
 
 /// Crossings followed at most; beyond it the point counts as outside.
 const MAX_CROSSINGS: usize = 256;
@@ -53,5 +53,5 @@ impl MediumFinder<'_> {
 }
 
 fn is_boundary(material: &Material) -> bool {
-    matches!(material.surface, Surface::Dielectric { thin: false, .. })
+    material.surface.has_inside()
 }

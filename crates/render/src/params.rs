@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use midway_kernels::{constants as k, layout};
-use midway_scene::Camera;
+use midway_scene::{Camera, Projection};
 
 use crate::{Integrator, Join, JoinChoice, Mis, PackedScene, RenderSettings};
 
@@ -88,7 +88,10 @@ fn flags(settings: &RenderSettings) -> u32 {
 fn pack_camera(settings: &RenderSettings, camera: &Camera) -> layout::Camera {
     let (width, height) = (settings.width as f32, settings.height as f32);
     let axis = |v: Vec3| camera.world_from_camera.transform_vector3(v).normalize();
-    let half_height = (camera.yfov * 0.5).tan();
+    let half_height = match camera.projection {
+        Projection::Perspective { yfov } => (yfov * 0.5).tan(),
+        Projection::Orthographic { height } => height * 0.5,
+    };
     let half_width = half_height * width / height;
     layout::Camera {
         origin: camera.position().to_array(),

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 
-use crate::{Bounds, Camera, SceneError};
+use crate::{Bounds, Camera, Projection, SceneError};
 
 /// Vertical field of view of a framed camera, radians: 40 degrees.
 const FRAMING_YFOV: f32 = 0.698_131_7;
@@ -10,6 +10,19 @@ const FRAMING_YFOV: f32 = 0.698_131_7;
 const FRAMING_MARGIN: f32 = 1.05;
 
 impl Camera {
+    /// A pinhole without a name; `yfov` in radians.
+    pub fn perspective(world_from_camera: Mat4, yfov: f32) -> Self {
+        Self {
+            name: String::new(),
+            world_from_camera,
+            projection: Projection::Perspective { yfov },
+            lens_radius: 0.0,
+            focus_distance: 1.0,
+            aspect: None,
+            resolution: None,
+        }
+    }
+
     /// At `eye`, looking at `target`, `up` pointing up in the image as far as it can; where `up`
     /// is along the view, another axis takes its place. `yfov` in radians.
     ///
@@ -36,12 +49,8 @@ impl Camera {
             .and_then(Vec3::try_normalize)
             .unwrap_or(Vec3::X);
         let y = z.cross(x);
-        Ok(Self {
-            name: String::new(),
-            world_from_camera: Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), eye.extend(1.0)),
-            yfov,
-            aspect: None,
-        })
+        let world_from_camera = Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), eye.extend(1.0));
+        Ok(Self::perspective(world_from_camera, yfov))
     }
 
     /// For files with no camera: looks along -z, y up, at the middle of `bounds`, from where all
@@ -59,11 +68,14 @@ impl Camera {
         // Something flat seen edge on, or a point, still needs a distance.
         let smallest = (half.max_element() * 0.1).max(centre.abs().max_element() * 1e-4);
         let distance = half.z + to_front.max(smallest).max(f32::MIN_POSITIVE.sqrt());
-        Self {
-            name: String::new(),
-            world_from_camera: Mat4::from_translation(centre + Vec3::Z * distance),
-            yfov: FRAMING_YFOV,
-            aspect: None,
+        Self::perspective(Mat4::from_translation(centre + Vec3::Z * distance), FRAMING_YFOV)
+    }
+
+    /// The full vertical field of view, radians; none where rays are parallel.
+    pub fn yfov(&self) -> Option<f32> {
+        match self.projection {
+            Projection::Perspective { yfov } => Some(yfov),
+            Projection::Orthographic { .. } => None,
         }
     }
 

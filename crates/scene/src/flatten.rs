@@ -1,6 +1,6 @@
 //! The world's triangles, instances resolved.
 
-use glam::{DMat3, Vec3};
+use glam::{DMat3, Mat3, Vec2, Vec3, Vec4};
 
 use crate::{Instance, Scene};
 
@@ -11,6 +11,13 @@ pub struct WorldTriangle {
     pub positions: [Vec3; 3],
     /// Unit shading normals at the vertices; none for flat shading.
     pub normals: Option<[Vec3; 3]>,
+    /// Texture coordinates at the vertices, (0, 0) where the mesh has none.
+    pub uvs: [[Vec2; 3]; 2],
+    /// Colours at the vertices; none for white.
+    pub colors: Option<[Vec4; 3]>,
+    /// Unit tangents at the vertices with the bitangent's sign; none where they follow from the
+    /// texture coordinates.
+    pub tangents: Option<[Vec4; 3]>,
     /// Index into [`Scene::materials`].
     pub material: u32,
     /// Index into [`Scene::instances`].
@@ -67,9 +74,20 @@ impl Scene {
                 let n = cofactors * n.as_dvec3() * normal_sign;
                 n.try_normalize().map_or(Vec3::Z, |n| n.as_vec3())
             };
+            let world_tangent = |t: Vec4| {
+                let along = Mat3::from_mat4(instance.world_from_mesh) * t.truncate();
+                along.normalize_or(Vec3::X).extend(t.w * normal_sign as f32)
+            };
+            let uvs = |set: &Vec<Vec2>| {
+                if set.is_empty() { [Vec2::ZERO; 3] } else { corners.map(|i| set[i]) }
+            };
             WorldTriangle {
                 positions: corners.map(|i| instance.world_from_mesh.transform_point3(mesh.positions[i])),
                 normals: (!mesh.normals.is_empty()).then(|| corners.map(|i| world_normal(mesh.normals[i]))),
+                uvs: mesh.uvs.each_ref().map(uvs),
+                colors: (!mesh.colors.is_empty()).then(|| corners.map(|i| mesh.colors[i])),
+                tangents: (!mesh.tangents.is_empty())
+                    .then(|| corners.map(|i| world_tangent(mesh.tangents[i]))),
                 material: mesh.material,
                 instance: index,
                 triangle,

@@ -2,10 +2,10 @@
 
 use glam::{Mat4, Vec3};
 
-use crate::{Camera, Instance, Material, Mesh, Scene, Surface};
+use crate::{Camera, Image, Instance, Material, Mesh, Projection, Scene, Texels};
 
 /// Changes whenever what is hashed, or how, changes.
-const FORMAT: &[u8] = b"midway-scene 1";
+const FORMAT: &[u8] = b"midway-scene 2";
 
 impl Scene {
     /// BLAKE3 of everything that the image depends on, in hexadecimal: the same on every machine,
@@ -16,7 +16,12 @@ impl Scene {
         hasher.list(&self.cameras, Hasher::camera);
         hasher.list(&self.meshes, Hasher::mesh);
         hasher.list(&self.instances, Hasher::instance);
-        hasher.list(&self.materials, Hasher::material);
+        hasher.list(&self.images, Hasher::image);
+        hasher.list(&self.materials, |h, material| {
+            h.printed(&Material { name: String::new(), ..material.clone() })
+        });
+        hasher.list(&self.lights, |h, light| h.printed(&light.kind));
+        hasher.printed(&self.environment);
         hasher.0.finalize().to_hex().to_string()
     }
 }
@@ -49,13 +54,24 @@ impl Hasher {
 
     fn camera(&mut self, camera: &Camera) {
         self.matrix(&camera.world_from_camera);
-        self.float(camera.yfov);
+        let (kind, size) = match camera.projection {
+            Projection::Perspective { yfov } => (0, yfov),
+            Projection::Orthographic { height } => (1, height),
+        };
+        self.bytes(&[kind]);
+        [size, camera.lens_radius, camera.focus_distance].into_iter().for_each(|x| self.float(x));
         self.float(camera.aspect.unwrap_or(0.0));
     }
 
     fn mesh(&mut self, mesh: &Mesh) {
         self.list(&mesh.positions, Self::vec3);
         self.list(&mesh.normals, Self::vec3);
+        for set in &mesh.uvs {
+            self.list(set, |h, uv| uv.to_array().into_iter().for_each(|x| h.float(x)));
+        }
+        for list in [&mesh.colors, &mesh.tangents] {
+            self.list(list, |h, v| v.to_array().into_iter().for_each(|x| h.float(x)));
+        }
         self.list(mesh.triangles.as_flattened(), |h, i| h.bytes(&i.to_le_bytes()));
         self.bytes(&mesh.material.to_le_bytes());
     }
@@ -65,24 +81,32 @@ impl Hasher {
         self.matrix(&instance.world_from_mesh);
     }
 
-    fn material(&mut self, material: &Material) {
-        match &material.surface {
-            Surface::Diffuse { reflectance } => {
+    fn image(&mut self, image: &Image) {
+        self.bytes(&image.width.to_le_bytes());
+        self.bytes(&image.height.to_le_bytes());
+        match &image.texels {
+            Texels::Srgb8(t) => {
                 self.bytes(&[0]);
-                self.vec3(reflectance);
+                self.bytes(t.as_flattened());
             }
-            Surface::Mirror { reflectance } => {
+            Texels::Linear8(t) => {
                 self.bytes(&[1]);
-                self.vec3(reflectance);
+                self.bytes(t.as_flattened());
             }
-            Surface::Dielectric { ior, tint, sigma_a, thin } => {
-                self.bytes(&[2, u8::from(*thin)]);
-                self.float(*ior);
-                self.vec3(tint);
-                self.vec3(sigma_a);
+            Texels::Linear16(t) => {
+                self.bytes(&[2]);
+                t.as_flattened().iter().for_each(|x| self.bytes(&x.to_le_bytes()));
+            }
+            Texels::Float(t) => {
+                self.bytes(&[3]);
+                t.as_flattened().iter().for_each(|x| self.float(*x));
             }
         }
-        self.vec3(&material.emission);
-        self.bytes(&[u8::from(material.double_sided)]);
+    }
+
+    /// Materials, lights and the environment by what they print as: all their values, floats to the
+    /// last bit.
+    fn printed(&mut self, value: &impl std::fmt::Debug) {
+        self.bytes(format!("{value:?}").as_bytes());
     }
 }

@@ -8,13 +8,21 @@ mod camera;
 mod error;
 mod flatten;
 mod hash;
+mod light;
+mod material;
+mod texture;
 mod validate;
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 pub use bounds::Bounds;
 pub use error::SceneError;
 pub use flatten::WorldTriangle;
+pub use light::{Environment, Light, LightKind, SpotFalloff};
+pub use material::{
+    ConductorFresnel, Material, MetallicRoughness, NormalMap, Opacity, Roughness, Sides, Surface,
+};
+pub use texture::{Channel, ColorInput, Filter, Image, ScalarInput, Texels, Texture, Wrap, srgb_to_linear};
 
 /// Everything that is rendered. Indices are valid once [`Scene::validate`] has passed.
 #[derive(Clone, Debug, Default)]
@@ -27,23 +35,50 @@ pub struct Scene {
     pub instances: Vec<Instance>,
     /// Surfaces, referred to by [`Mesh::material`].
     pub materials: Vec<Material>,
+    /// Referred to by [`Texture::image`] and [`Environment::image`].
+    pub images: Vec<Image>,
+    /// Lights that are not surfaces.
+    pub lights: Vec<Light>,
+    /// What lies beyond everything.
+    pub environment: Option<Environment>,
 }
 
-/// A perspective camera: looks along its -z, y up.
+/// A camera: looks along its -z, y up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// The file's name for it, or empty.
     pub name: String,
     /// Places the camera; rigid once normalised (scale is removed by the importer).
     pub world_from_camera: Mat4,
-    /// Full vertical field of view, radians, in (0, π).
-    pub yfov: f32,
+    /// What it projects by.
+    pub projection: Projection,
+    /// Radius of the lens; 0 for a pinhole.
+    pub lens_radius: f32,
+    /// Distance along the view direction at which everything is sharp, > 0.
+    pub focus_distance: f32,
     /// Width over height, where the file says.
     pub aspect: Option<f32>,
+    /// Width and height in pixels, where the file says.
+    pub resolution: Option<[u32; 2]>,
+}
+
+/// How a camera projects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// From a point.
+    Perspective {
+        /// Full vertical field of view, radians, in (0, π).
+        yfov: f32,
+    },
+    /// Along parallel rays.
+    Orthographic {
+        /// Of the film in the world, > 0.
+        height: f32,
+    },
 }
 
 /// Triangles that share a material.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// The file's name for it, or empty.
     pub name: String,
@@ -51,6 +86,13 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one a vertex, or empty for flat shading.
     pub normals: Vec<Vec3>,
+    /// Two sets of texture coordinates, each one a vertex or empty; (0, 0) is the image's top left.
+    pub uvs: [Vec<Vec2>; 2],
+    /// Linear RGBA that multiplies base colour and opacity, one a vertex, or empty.
+    pub colors: Vec<Vec4>,
+    /// Unit tangents and the bitangent's sign (w), one a vertex; empty to have them follow from the
+    /// texture coordinates.
+    pub tangents: Vec<Vec4>,
     /// Indices into `positions`, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`Scene::materials`].
@@ -64,45 +106,6 @@ pub struct Instance {
     pub mesh: u32,
     /// Affine; a negative determinant flips the front.
     pub world_from_mesh: Mat4,
-}
-
-/// A surface: how it scatters and what it emits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// The file's name for it, or empty.
-    pub name: String,
-    /// How it scatters.
-    pub surface: Surface,
-    /// Emitted radiance, W·m⁻²·sr⁻¹; zero for none.
-    pub emission: Vec3,
-    /// Whether it emits from its back too (it scatters on both sides either way).
-    pub double_sided: bool,
-}
-
-/// How a surface scatters.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Surface {
-    /// Lambertian on both sides, reflectance in [0, 1].
-    Diffuse {
-        /// Albedo.
-        reflectance: Vec3,
-    },
-    /// A perfect mirror on both sides: reflectance at normal incidence, Schlick towards 1.
-    Mirror {
-        /// F0.
-        reflectance: Vec3,
-    },
-    /// A smooth dielectric boundary.
-    Dielectric {
-        /// Index of refraction inside over outside, > 0.
-        ior: f32,
-        /// Multiplies what is transmitted, in [0, 1].
-        tint: Vec3,
-        /// Absorption coefficient inside, per unit length (Beer-Lambert).
-        sigma_a: Vec3,
-        /// A thin wall: transmits without bending and has no inside.
-        thin: bool,
-    },
 }
 
 /// How much a scene holds.
@@ -120,6 +123,10 @@ pub struct Counts {
     pub emissive_triangles: usize,
     /// Materials, used or not.
     pub materials: usize,
+    /// Images, used or not.
+    pub images: usize,
+    /// Lights that are not surfaces, the environment left out.
+    pub lights: usize,
 }
 
 impl Scene {
@@ -130,6 +137,8 @@ impl Scene {
             meshes: self.meshes.len(),
             instances: self.instances.len(),
             materials: self.materials.len(),
+            images: self.images.len(),
+            lights: self.lights.len(),
             ..Counts::default()
         };
         for instance in &self.instances {
@@ -143,12 +152,5 @@ impl Scene {
             }
         }
         counts
-    }
-}
-
-impl Material {
-    /// Whether it emits anything.
-    pub fn is_emissive(&self) -> bool {
-        self.emission.max_element() > 0.0
     }
 }

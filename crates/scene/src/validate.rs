@@ -2,7 +2,11 @@
 
 use glam::{DMat3, Mat3, Vec3, Vec4};
 
-use crate::{Camera, Instance, Material, Mesh, Scene, SceneError, Surface};
+use crate::{
+    Camera, ColorInput, ConductorFresnel, Environment, Image, Instance, Light, LightKind, Material, Mesh,
+    MetallicRoughness, Opacity, Projection, Roughness, ScalarInput, Scene, SceneError, Surface, Texels,
+    Texture,
+};
 
 /// How far a normal's length and a camera's axes may be from 1: rounding in files that store
 /// them with three or four decimals.
@@ -22,7 +26,7 @@ impl Scene {
             validate_camera(&label("camera", i, &camera.name), camera)?;
         }
         for (i, material) in self.materials.iter().enumerate() {
-            validate_material(&label("material", i, &material.name), material)?;
+            validate_material(&label("material", i, &material.name), material, self.images.len())?;
         }
         for (i, mesh) in self.meshes.iter().enumerate() {
             let what = label("mesh", i, &mesh.name);
@@ -33,6 +37,15 @@ impl Scene {
             let what = format!("instance {i}");
             in_range(&what, "mesh", instance.mesh, self.meshes.len())?;
             validate_instance(&what, instance)?;
+        }
+        for (i, image) in self.images.iter().enumerate() {
+            validate_image(&label("image", i, &image.name), image)?;
+        }
+        for (i, light) in self.lights.iter().enumerate() {
+            validate_light(&label("light", i, &light.name), light)?;
+        }
+        if let Some(environment) = &self.environment {
+            validate_environment(environment, self.images.len())?;
         }
         let bounds = self.bounds();
         if bounds.is_empty() {
@@ -64,10 +77,18 @@ fn in_range(what: &str, list: &'static str, index: u32, len: usize) -> Checked {
 }
 
 fn validate_camera(what: &str, camera: &Camera) -> Checked {
-    let yfov = camera.yfov;
-    check(yfov > 0.0 && yfov < std::f32::consts::PI, what, || {
-        format!("its field of view, {yfov} radians, is not in (0, π)")
-    })?;
+    match camera.projection {
+        Projection::Perspective { yfov } => {
+            check(yfov > 0.0 && yfov < std::f32::consts::PI, what, || {
+                format!("its field of view, {yfov} radians, is not in (0, π)")
+            })?;
+        }
+        Projection::Orthographic { height } => positive(what, "height", height)?,
+    }
+    non_negative(what, "lens radius", Vec3::splat(camera.lens_radius))?;
+    positive(what, "focus distance", camera.focus_distance)?;
+    let pixels = camera.resolution.unwrap_or([1; 2]);
+    check(pixels[0] > 0 && pixels[1] > 0, what, || "its film has no pixels".to_owned())?;
     let aspect = camera.aspect.unwrap_or(1.0);
     check(aspect > 0.0 && aspect.is_finite(), what, || {
         format!("its aspect ratio, {aspect}, is not positive")
@@ -81,28 +102,165 @@ fn validate_camera(what: &str, camera: &Camera) -> Checked {
     })
 }
 
-fn validate_material(what: &str, material: &Material) -> Checked {
-    let emission = material.emission;
-    check(emission.is_finite() && emission.cmpge(Vec3::ZERO).all(), what, || {
-        format!("its emission, {emission}, is not finite and at least 0")
-    })?;
-    let fraction = |name: &str, value: Vec3| {
-        let holds = value.cmpge(Vec3::ZERO).all() && value.cmple(Vec3::ONE).all();
-        check(holds, what, || format!("its {name}, {value}, is not within 0 and 1"))
+fn positive(what: &str, name: &str, value: f32) -> Checked {
+    check(value > 0.0 && value.is_finite(), what, || format!("its {name}, {value}, is not positive"))
+}
+
+fn non_negative(what: &str, name: &str, value: Vec3) -> Checked {
+    check(value.is_finite() && value.cmpge(Vec3::ZERO).all(), what, || {
+        format!("its {name}, {value}, is not finite and at least 0")
+    })
+}
+
+fn fraction(what: &str, name: &str, value: Vec3) -> Checked {
+    let holds = value.cmpge(Vec3::ZERO).all() && value.cmple(Vec3::ONE).all();
+    check(holds, what, || format!("its {name}, {value}, is not within 0 and 1"))
+}
+
+fn validate_material(what: &str, material: &Material, n_images: usize) -> Checked {
+    non_negative(what, "emission", material.emission.value)?;
+    texture(what, material.emission.texture.as_ref(), n_images)?;
+    match &material.opacity {
+        Opacity::Opaque => {}
+        Opacity::Mask(input, _) | Opacity::Blend(input) => scalar(what, "opacity", input, n_images)?,
+    }
+    if let Some(map) = &material.normal_map {
+        texture(what, Some(&map.texture), n_images)?;
+        check(map.scale.is_finite(), what, || "the scale of its normal map is not finite".to_owned())?;
+    }
+    let color = |name: &str, input: &ColorInput| {
+        fraction(what, name, input.value)?;
+        texture(what, input.texture.as_ref(), n_images)
     };
-    match material.surface {
-        Surface::Diffuse { reflectance } | Surface::Mirror { reflectance } => {
-            fraction("reflectance", reflectance)
+    let rough = |input: &Roughness| {
+        scalar(what, "roughness", &input.along, n_images)?;
+        scalar(what, "roughness", &input.across, n_images)
+    };
+    match &material.surface {
+        Surface::Null => Ok(()),
+        Surface::Diffuse { reflectance } => color("reflectance", reflectance),
+        Surface::Conductor { fresnel, roughness } => {
+            rough(roughness)?;
+            match fresnel {
+                ConductorFresnel::Schlick { f0 } => color("reflectance", f0),
+                ConductorFresnel::Complex { eta, k, tint } => {
+                    non_negative(what, "index of refraction", *eta)?;
+                    non_negative(what, "extinction", *k)?;
+                    color("tint", tint)
+                }
+            }
         }
-        Surface::Dielectric { ior, tint, sigma_a, .. } => {
-            fraction("tint", tint)?;
-            check(ior > 0.0 && ior.is_finite(), what, || {
-                format!("its index of refraction, {ior}, is not positive")
-            })?;
-            let holds = sigma_a.is_finite() && sigma_a.cmpge(Vec3::ZERO).all();
-            check(holds, what, || format!("its absorption, {sigma_a}, is not finite and at least 0"))
+        Surface::Dielectric { ior, reflection, transmission, sigma_a, roughness, .. } => {
+            positive(what, "index of refraction", *ior)?;
+            color("reflection tint", reflection)?;
+            color("transmission tint", transmission)?;
+            non_negative(what, "absorption", *sigma_a)?;
+            rough(roughness)
+        }
+        Surface::Plastic { reflectance, specular, ior, roughness, .. } => {
+            positive(what, "index of refraction", *ior)?;
+            color("reflectance", reflectance)?;
+            color("specular reflectance", specular)?;
+            rough(roughness)
+        }
+        Surface::MetallicRoughness(model) => validate_metallic_roughness(what, model, n_images),
+    }
+}
+
+fn validate_metallic_roughness(what: &str, model: &MetallicRoughness, n_images: usize) -> Checked {
+    let colors = [("base colour", &model.base_color), ("sheen colour", &model.sheen_color)];
+    for (name, input) in colors {
+        fraction(what, name, input.value)?;
+        texture(what, input.texture.as_ref(), n_images)?;
+    }
+    // May exceed 1 by the extension: the reflectance is clamped where it is used.
+    non_negative(what, "specular colour", model.specular_color.value)?;
+    texture(what, model.specular_color.texture.as_ref(), n_images)?;
+    let scalars = [
+        ("metallic factor", &model.metallic),
+        ("roughness", &model.roughness),
+        ("specular factor", &model.specular),
+        ("transmission factor", &model.transmission),
+        ("clearcoat factor", &model.clearcoat),
+        ("clearcoat roughness", &model.clearcoat_roughness),
+        ("sheen roughness", &model.sheen_roughness),
+        ("anisotropy", &model.anisotropy),
+    ];
+    for (name, input) in scalars {
+        scalar(what, name, input, n_images)?;
+    }
+    positive(what, "index of refraction", model.ior)?;
+    non_negative(what, "absorption", model.sigma_a)?;
+    check(model.anisotropy_rotation.is_finite(), what, || {
+        "its anisotropy's rotation is not finite".to_owned()
+    })
+}
+
+fn scalar(what: &str, name: &str, input: &ScalarInput, n_images: usize) -> Checked {
+    fraction(what, name, Vec3::splat(input.value))?;
+    texture(what, input.texture.as_ref().map(|(texture, _)| texture), n_images)
+}
+
+fn texture(what: &str, texture: Option<&Texture>, n_images: usize) -> Checked {
+    let Some(texture) = texture else { return Ok(()) };
+    in_range(what, "image", texture.image, n_images)?;
+    let sets = 2;
+    in_range(what, "UV set", texture.uv_set, sets)?;
+    check(texture.image_from_uv.is_finite(), what, || "a texture's transform is not finite".to_owned())
+}
+
+fn validate_image(what: &str, image: &Image) -> Checked {
+    let texels = image.width as usize * image.height as usize;
+    check(texels > 0 && texels == image.texels.len(), what, || {
+        format!("it is {} x {} and holds {} texels", image.width, image.height, image.texels.len())
+    })?;
+    let Texels::Float(values) = &image.texels else { return Ok(()) };
+    check(values.as_flattened().iter().all(|x| x.is_finite()), what, || "a texel is not finite".to_owned())
+}
+
+fn validate_light(what: &str, light: &Light) -> Checked {
+    match light.kind {
+        LightKind::Point { position, intensity } => {
+            non_negative(what, "intensity", intensity)?;
+            finite(what, position)
+        }
+        LightKind::Spot { position, direction, intensity, inner_angle, outer_angle, .. } => {
+            non_negative(what, "intensity", intensity)?;
+            finite(what, position)?;
+            unit(what, direction)?;
+            let holds =
+                inner_angle >= 0.0 && inner_angle < outer_angle && outer_angle <= std::f32::consts::PI;
+            check(holds, what, || {
+                format!(
+                    "its cones, {inner_angle} within {outer_angle} radians, are not 0 <= inner < outer <= π"
+                )
+            })
+        }
+        LightKind::Directional { direction, irradiance } => {
+            non_negative(what, "irradiance", irradiance)?;
+            unit(what, direction)
         }
     }
+}
+
+fn finite(what: &str, position: Vec3) -> Checked {
+    check(position.is_finite(), what, || "its position is not finite".to_owned())
+}
+
+fn unit(what: &str, direction: Vec3) -> Checked {
+    check((direction.length() - 1.0).abs() <= UNIT_TOLERANCE, what, || {
+        format!("its direction, {direction}, is not of length 1")
+    })
+}
+
+fn validate_environment(environment: &Environment, n_images: usize) -> Checked {
+    let what = "the environment";
+    non_negative(what, "radiance", environment.radiance)?;
+    let m = environment.world_from_environment;
+    let off = m.transpose() * m - Mat3::IDENTITY;
+    let orthonormal = off.to_cols_array().iter().all(|x| x.abs() <= UNIT_TOLERANCE);
+    check(orthonormal, what, || "its transform is not a rotation".to_owned())?;
+    environment.image.map_or(Ok(()), |image| in_range(what, "image", image, n_images))
 }
 
 fn validate_mesh(what: &str, mesh: &Mesh) -> Checked {
@@ -115,6 +273,18 @@ fn validate_mesh(what: &str, mesh: &Mesh) -> Checked {
     check(mesh.normals.is_empty() || mesh.normals.len() == n, what, || {
         format!("{} normals for {n} vertices", mesh.normals.len())
     })?;
+    let per_vertex = [
+        ("texture coordinates", mesh.uvs[0].len()),
+        ("second texture coordinates", mesh.uvs[1].len()),
+        ("colours", mesh.colors.len()),
+        ("tangents", mesh.tangents.len()),
+    ];
+    for (name, len) in per_vertex {
+        check(len == 0 || len == n, what, || format!("{len} {name} for {n} vertices"))?;
+    }
+    let finite = mesh.uvs.iter().flatten().all(|uv| uv.is_finite())
+        && mesh.colors.iter().chain(&mesh.tangents).all(|v| v.is_finite());
+    check(finite, what, || "a texture coordinate, colour or tangent is not finite".to_owned())?;
     let is_unit = |v: &Vec3| (v.length() - 1.0).abs() <= UNIT_TOLERANCE;
     let odd = mesh.normals.iter().position(|v| !is_unit(v));
     check(odd.is_none(), what, || format!("normal {} is not of length 1", odd.unwrap_or_default()))

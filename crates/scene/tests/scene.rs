@@ -3,7 +3,9 @@
 use std::f32::consts::PI;
 
 use glam::{Mat4, Quat, Vec3, vec3};
-use midway_scene::{Bounds, Camera, Instance, Material, Mesh, Scene, SceneError, Surface};
+use midway_scene::{
+    Bounds, Camera, Instance, Material, Mesh, Projection, Roughness, Scene, SceneError, Surface,
+};
 
 fn triangle() -> Mesh {
     Mesh {
@@ -11,7 +13,7 @@ fn triangle() -> Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         normals: vec![Vec3::Z; 3],
         triangles: vec![[0, 1, 2]],
-        material: 0,
+        ..Mesh::default()
     }
 }
 
@@ -20,12 +22,8 @@ fn scene() -> Scene {
         cameras: vec![Camera::look_at(Vec3::ONE, Vec3::ZERO, Vec3::Y, 1.0).unwrap()],
         meshes: vec![triangle()],
         instances: vec![Instance { mesh: 0, world_from_mesh: Mat4::IDENTITY }],
-        materials: vec![Material {
-            name: String::new(),
-            surface: Surface::Diffuse { reflectance: Vec3::splat(0.5) },
-            emission: Vec3::ZERO,
-            double_sided: false,
-        }],
+        materials: vec![Material::new(Surface::diffuse(Vec3::splat(0.5)))],
+        ..Scene::default()
     }
 }
 
@@ -50,15 +48,15 @@ fn validate_finds_each_kind_of_damage() {
             s.instances[0].world_from_mesh = Mat4::from_scale(Vec3::splat(3e38));
             s.meshes[0].positions[1].x = 2.0;
         }),
-        ("emission", |s| s.materials[0].emission.x = -1.0),
-        ("infinite emission", |s| s.materials[0].emission.x = f32::INFINITY),
-        ("reflectance", |s| s.materials[0].surface = Surface::Diffuse { reflectance: Vec3::splat(1.1) }),
-        ("mirror", |s| s.materials[0].surface = Surface::Mirror { reflectance: Vec3::NAN }),
+        ("emission", |s| s.materials[0].emission.value.x = -1.0),
+        ("infinite emission", |s| s.materials[0].emission.value.x = f32::INFINITY),
+        ("reflectance", |s| s.materials[0].surface = Surface::diffuse(Vec3::splat(1.1))),
+        ("mirror", |s| s.materials[0].surface = Surface::mirror(Vec3::NAN)),
         ("ior", |s| s.materials[0].surface = glass(0.0, 1.0, 0.0)),
         ("tint", |s| s.materials[0].surface = glass(1.5, -0.1, 0.0)),
         ("sigma_a", |s| s.materials[0].surface = glass(1.5, 1.0, f32::INFINITY)),
-        ("yfov", |s| s.cameras[0].yfov = PI),
-        ("nan yfov", |s| s.cameras[0].yfov = f32::NAN),
+        ("yfov", |s| s.cameras[0].projection = Projection::Perspective { yfov: PI }),
+        ("nan yfov", |s| s.cameras[0].projection = Projection::Perspective { yfov: f32::NAN }),
         ("aspect", |s| s.cameras[0].aspect = Some(0.0)),
         ("scaled camera", |s| s.cameras[0].world_from_camera *= Mat4::from_scale(Vec3::splat(2.0))),
         ("nan camera", |s| s.cameras[0].world_from_camera.w_axis.x = f32::NAN),
@@ -72,8 +70,14 @@ fn validate_finds_each_kind_of_damage() {
 }
 
 fn glass(ior: f32, tint: f32, sigma_a: f32) -> Surface {
-    let (tint, sigma_a) = (Vec3::splat(tint), Vec3::splat(sigma_a));
-    Surface::Dielectric { ior, tint, sigma_a, thin: false }
+    Surface::Dielectric {
+        ior,
+        reflection: Vec3::ONE.into(),
+        transmission: Vec3::splat(tint).into(),
+        sigma_a: Vec3::splat(sigma_a),
+        thin: false,
+        roughness: Roughness::smooth(),
+    }
 }
 
 #[test]
@@ -109,7 +113,7 @@ fn mirroring_keeps_the_front_and_the_normals_agree_with_it() {
 #[test]
 fn bounds_and_counts_are_of_the_world() {
     let mut s = scene();
-    s.materials[0].emission = Vec3::X;
+    s.materials[0].emission = Vec3::X.into();
     let moved = Mat4::from_translation(vec3(10.0, 0.0, 0.0));
     s.instances.push(Instance { mesh: 0, world_from_mesh: moved });
     assert_eq!(s.bounds(), Bounds { min: Vec3::ZERO, max: vec3(11.0, 1.0, 0.0) });
@@ -128,9 +132,9 @@ fn hash_follows_content_and_not_names() {
     let changes: Vec<Damage> = vec![
         ("position", |s| s.meshes[0].positions[2].x = 1e-7),
         ("order", |s| s.meshes[0].triangles[0] = [1, 2, 0]),
-        ("emission", |s| s.materials[0].emission.z = 1.0),
-        ("surface", |s| s.materials[0].surface = Surface::Mirror { reflectance: Vec3::splat(0.5) }),
-        ("camera", |s| s.cameras[0].yfov = 1.1),
+        ("emission", |s| s.materials[0].emission.value.z = 1.0),
+        ("surface", |s| s.materials[0].surface = Surface::mirror(Vec3::splat(0.5))),
+        ("camera", |s| s.cameras[0].projection = Projection::Perspective { yfov: 1.1 }),
         ("instance", |s| s.instances.push(s.instances[0].clone())),
     ];
     for (name, change) in changes {
@@ -156,7 +160,7 @@ fn framing_shows_all_of_the_bounds() {
             for corner in 0..8 {
                 let pick = |axis: usize| if corner >> axis & 1 == 0 { min } else { max }[axis];
                 let p = camera_from_world.transform_point3(vec3(pick(0), pick(1), pick(2)));
-                let half = -p.z * (camera.yfov * 0.5).tan();
+                let half = -p.z * (camera.yfov().unwrap() * 0.5).tan();
                 assert!(p.z < 0.0 && p.y.abs() <= half && p.x.abs() <= half * aspect, "{min} {max}");
             }
             let framed = Scene { cameras: vec![camera], ..scene() };

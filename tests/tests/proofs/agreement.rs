@@ -27,7 +27,8 @@ fn integrators_agree_on_shading_normals() {
     };
     let expected = blocks(&integrators::path_naive(), AGAINST * SAMPLES);
     let mut report = Report::default();
-    let held = integrators::all().into_iter().filter(|case| case.settings.integrator != Integrator::PathNaive);
+    let held =
+        integrators::all().into_iter().filter(|case| case.settings.integrator != Integrator::PathNaive);
     for case in held {
         let agreement = Agreement::of(&blocks(&case, SAMPLES), &expected);
         report.check_where_reachable(&case.name(), &agreement);

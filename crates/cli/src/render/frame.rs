@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use midway_film::Framing;
-use midway_scene::{Camera, Scene};
+use midway_scene::{Camera, Projection, Scene};
 
 use crate::{
     args::{CropArg, RenderArgs, Vec3Arg},
@@ -41,7 +41,7 @@ impl Frame {
             if degrees >= 180.0 {
                 return Err(Failure::usage("--fov: the field of view must be below 180 degrees"));
             }
-            camera.yfov = degrees.to_radians();
+            camera.projection = Projection::Perspective { yfov: degrees.to_radians() };
         }
         let [width, height] = size(args, camera.aspect.unwrap_or(1.0));
         if let Some(crop) = args.crop {
@@ -151,7 +151,7 @@ mod tests {
         let flags = ["--eye", "0,0,-5", "--target", "0,0,0", "--fov", "90"];
         let frame = resolve(&flags, &[]).unwrap();
         assert_eq!(frame.camera.position(), Vec3::new(0.0, 0.0, -5.0));
-        assert!((frame.camera.yfov.to_degrees() - 90.0).abs() <= 1e-4);
+        assert!((frame.camera.yfov().unwrap().to_degrees() - 90.0).abs() <= 1e-4);
         assert!(resolve(&["--eye", "1,1,1", "--target", "1,1,1"], &[]).is_err());
         assert!(resolve(&["--fov", "180"], &[]).is_err());
     }

@@ -23,7 +23,9 @@ pub fn of_request(args: &RenderArgs, scene: &Scene, frame: &Frame, device: &Devi
     header.set("camera", frame.camera.name.as_str());
     // glam stores columns; files store rows.
     header.set("world_from_camera", frame.camera.world_from_camera.transpose().to_cols_array_2d());
-    header.set("yfov_degrees", f64::from(frame.camera.yfov.to_degrees()));
+    if let Some(yfov) = frame.camera.yfov() {
+        header.set("yfov_degrees", f64::from(yfov.to_degrees()));
+    }
     header
 }
 

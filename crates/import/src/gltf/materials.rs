@@ -1,7 +1,7 @@
 //! Materials: metallic-roughness taken to the nearest surface that is rendered.
 
 use glam::{Vec3, Vec4};
-use midway_scene::{Material, Surface};
+use midway_scene::{Material, Roughness, Sides, Surface};
 
 use super::{json::Json, warn_of_extensions};
 use crate::{
@@ -25,9 +25,9 @@ fn read(material: &Json, warnings: &mut Warnings) -> Result<Material, ImportErro
     warn_of_alpha(material, warnings)?;
     Ok(Material {
         name: material.name(),
-        surface: surface(material, warnings)?,
-        emission: emission(material, warnings)?,
-        double_sided: material.bool_or("doubleSided", false)?,
+        emission: emission(material, warnings)?.into(),
+        emits: if material.bool_or("doubleSided", false)? { Sides::Both } else { Sides::Front },
+        ..Material::new(surface(material, warnings)?)
     })
 }
 
@@ -71,18 +71,18 @@ fn surface(material: &Json, warnings: &mut Warnings) -> Result<Surface, ImportEr
         let message = "the specular layer of non-metals is left out: they are rendered as diffuse";
         approximated(material, warnings, message);
     }
-    Ok(Surface::Diffuse { reflectance: base })
+    Ok(Surface::diffuse(base))
 }
 
 fn metal(material: &Json, reflectance: Vec3, roughness: f32, warnings: &mut Warnings) -> Surface {
     if roughness >= MIRROR_ROUGHNESS {
         approximated(material, warnings, "metals with a roughness of 0.5 or more are rendered as diffuse");
-        return Surface::Diffuse { reflectance };
+        return Surface::diffuse(reflectance);
     }
     if roughness > 0.0 {
         approximated(material, warnings, "metals with a roughness below 0.5 are rendered as perfect mirrors");
     }
-    Surface::Mirror { reflectance }
+    Surface::mirror(reflectance)
 }
 
 /// What `KHR_materials_transmission` makes of a material; none where little is transmitted.
@@ -112,7 +112,14 @@ fn dielectric(
     };
     let thin = thickness <= 0.0;
     let sigma_a = if thin { Vec3::ZERO } else { absorption(material, warnings)? };
-    Ok(Some(Surface::Dielectric { ior: ior(material, warnings)?, tint, sigma_a, thin }))
+    Ok(Some(Surface::Dielectric {
+        ior: ior(material, warnings)?,
+        reflection: Vec3::ONE.into(),
+        transmission: tint.into(),
+        sigma_a,
+        thin,
+        roughness: Roughness::smooth(),
+    }))
 }
 
 fn ior(material: &Json, warnings: &mut Warnings) -> Result<f32, ImportError> {

@@ -121,7 +121,14 @@ impl<'a> Meshes<'a> {
                 "normals of length 0 are replaced by those of their faces",
             );
         }
-        Ok(Some(Mesh { name, positions, normals, triangles: vertices.triangles, material }))
+        Ok(Some(Mesh {
+            name,
+            positions,
+            normals,
+            triangles: vertices.triangles,
+            material,
+            ..Mesh::default()
+        }))
     }
 
     fn material(&mut self, primitive: &Json, warnings: &mut Warnings) -> Result<u32, ImportError> {

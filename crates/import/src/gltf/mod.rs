@@ -57,7 +57,13 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
     if meshes.uses_default_material() {
         materials.push(default_material());
     }
-    Ok(Scene { cameras: placed.cameras, meshes: meshes.into_list(), instances: placed.instances, materials })
+    Ok(Scene {
+        cameras: placed.cameras,
+        meshes: meshes.into_list(),
+        instances: placed.instances,
+        materials,
+        ..Scene::default()
+    })
 }
 
 fn check_version(root: &Json) -> Result<(), ImportError> {

@@ -150,9 +150,8 @@ impl Walk<'_, '_> {
         let name = if node.name().is_empty() { camera.name() } else { node.name() };
         self.placed.cameras.push(Camera {
             name,
-            world_from_camera: rigid.as_mat4(),
-            yfov: radians,
             aspect: aspect.filter(|a| *a > 0.0),
+            ..Camera::perspective(rigid.as_mat4(), radians)
         });
         Ok(())
     }

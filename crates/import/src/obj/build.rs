@@ -123,7 +123,7 @@ struct MeshBuilder {
 
 impl MeshBuilder {
     fn new(name: String, material: u32) -> Self {
-        let mesh = Mesh { name, positions: vec![], normals: vec![], triangles: vec![], material };
+        let mesh = Mesh { name, material, ..Mesh::default() };
         Self { mesh, vertices: HashMap::new() }
     }
 

@@ -3,7 +3,7 @@
 use std::{collections::HashMap, path::Path};
 
 use glam::Vec3;
-use midway_scene::{Material, Surface};
+use midway_scene::{Material, Roughness, Surface};
 
 use super::text::{Line, joined, lines};
 use crate::{
@@ -92,7 +92,7 @@ impl Parameters {
         let surface = self.surface(warnings);
         // Sides are not in the format; the front is where the corners run counter-clockwise.
         let emission = self.emission.unwrap_or(Vec3::ZERO).max(Vec3::ZERO) + Vec3::ZERO;
-        Material { name: self.name, surface, emission, double_sided: false }
+        Material { name: self.name, ..Material::new(surface).emitting(emission) }
     }
 
     fn warn(&self, kind: WarningKind, message: &str, warnings: &mut Warnings) {
@@ -115,13 +115,13 @@ impl Parameters {
                 let message = "materials that are a mirror before all are rendered without their Kd";
                 self.warn(WarningKind::Approximation, message, warnings);
             }
-            return Surface::Mirror { reflectance: specular };
+            return Surface::mirror(specular);
         }
         if has_specular {
             let message = "the highlights of diffuse materials (Ks) are left out";
             self.warn(WarningKind::Approximation, message, warnings);
         }
-        Surface::Diffuse { reflectance: diffuse }
+        Surface::diffuse(diffuse)
     }
 
     /// By its illumination model, or because it is more clear than not and bends light.
@@ -158,7 +158,14 @@ impl Parameters {
             self.warn(WarningKind::Repaired, message, warnings);
             tint = Vec3::ONE;
         }
-        Surface::Dielectric { ior, tint, sigma_a: Vec3::ZERO, thin: false }
+        Surface::Dielectric {
+            ior,
+            reflection: Vec3::ONE.into(),
+            transmission: tint.into(),
+            sigma_a: Vec3::ZERO,
+            thin: false,
+            roughness: Roughness::smooth(),
+        }
     }
 
     fn fraction(&self, value: Vec3, warnings: &mut Warnings) -> Vec3 {
