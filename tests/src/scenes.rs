@@ -128,16 +128,18 @@ pub fn closed_sphere_with_an_area_light() -> Known {
     Known::new("closed sphere with an area light", scene, true, move |_, _| indirect)
 }
 
-/// A ball of 80 facets with the normals of a sphere, below a wide lamp in a grey room.
-pub fn coarse_smooth_ball() -> Scene {
+/// A grey room with a plate whose shading normals all lean by 30 degrees towards a lamp on one side:
+/// the walls are lit by the plate, brighter or darker as its scattering is.
+pub fn leaning_normals() -> Scene {
     let mut scene = Scene::default();
     let room = Shape::cuboid(-Vec3::ONE, Vec3::ONE).inside_out();
-    let (ball, centre) = (Vec3::new(0.8, 0.6, 0.4), Vec3::new(0.0, -0.2, 0.0));
-    let lamp = Shape::parallelogram(Vec3::new(-0.6, 0.9, -0.6), 1.2 * Vec3::X, 1.2 * Vec3::Z);
-    add(&mut scene, room, diffuse(Vec3::splat(0.5), Vec3::ZERO));
-    add(&mut scene, Shape::icosphere(1, centre, 0.6).smooth(centre), diffuse(ball, Vec3::ZERO));
+    let mut plate = Shape::parallelogram(Vec3::new(-0.7, -0.6, 0.7), 1.4 * Vec3::X, -1.4 * Vec3::Z);
+    plate.normals = vec![Vec3::new(0.5, 0.75f32.sqrt(), 0.0); 4];
+    let lamp = Shape::parallelogram(Vec3::new(0.9, -0.2, -0.4), 0.8 * Vec3::Z, 0.6 * Vec3::Y);
+    add(&mut scene, room, diffuse(Vec3::splat(0.3), Vec3::ZERO));
+    add(&mut scene, plate, diffuse(Vec3::new(0.9, 0.7, 0.5), Vec3::ZERO));
     add(&mut scene, lamp, diffuse(Vec3::ZERO, Vec3::splat(4.0)));
-    scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.95), centre, 80.0));
+    scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.95), Vec3::new(0.0, -0.2, 0.0), 90.0));
     scene
 }
 

@@ -15,12 +15,12 @@ const SAMPLES: u64 = 384;
 /// so many times the samples.
 const AGAINST: u64 = 8;
 
-/// Shading normals that differ from the facets' make scattering asymmetric: without the adjoint
+/// Shading normals that differ from the geometry's make scattering asymmetric: without the adjoint
 /// factor light paths disagree with camera paths (Veach 1997, section 5.3).
 #[test]
 fn integrators_agree_on_shading_normals() {
     let _turn = in_turn();
-    let scene = scenes::coarse_smooth_ball();
+    let scene = scenes::leaning_normals();
     let in_use = vec![true; scenes::SIZE * scenes::SIZE];
     let blocks = |case: &Case, samples| {
         Blocks::of_batches(&estimate(&cpu(), &scene, scenes::SIZE, case, samples), &in_use)
