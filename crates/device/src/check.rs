@@ -1,6 +1,6 @@
 //! What both devices ask of buffers, bindings and commands before they act on them.
 
-use wgsl_cpu::{Binding, BindingKind, Kernel};
+use wgsl_cpu::{Binding, BindingKind, Kernel, runtime::TEXEL_BYTES};
 
 use crate::{
     BoundKernel, Buffer, BufferUsage, Command, DeviceError, DeviceInfo,
@@ -43,9 +43,27 @@ impl Check<'_> {
         Err(DeviceError::Range { label: buffer.label.to_string(), offset, bytes, size: buffer.bytes })
     }
 
+    /// That `bytes` at `offset` of a texel store are whole texels.
+    pub(crate) fn whole_texels(&self, buffer: &Buffer, offset: u64, bytes: u64) -> Result<(), DeviceError> {
+        let texel = u64::from(TEXEL_BYTES);
+        if buffer.usage != BufferUsage::Texels || offset.is_multiple_of(texel) && bytes.is_multiple_of(texel)
+        {
+            return Ok(());
+        }
+        Err(DeviceError::Range { label: buffer.label.to_string(), offset, bytes, size: buffer.bytes })
+    }
+
+    /// That commands and reads do not touch texel stores.
+    pub(crate) fn plain(&self, buffer: &Buffer) -> Result<(), DeviceError> {
+        if buffer.usage != BufferUsage::Texels {
+            return Ok(());
+        }
+        Err(DeviceError::TexelStore { label: buffer.label.to_string() })
+    }
+
     /// That a kernel binds no more storage buffers than the device takes.
     pub(crate) fn kernel(&self, kernel: &'static Kernel) -> Result<(), DeviceError> {
-        let storage = kernel.bindings.iter().filter(|binding| binding.kind != BindingKind::Uniform);
+        let storage = kernel.bindings.iter().filter(|binding| binding.kind.is_storage());
         let count = u32::try_from(storage.count()).unwrap_or(u32::MAX);
         let limit = self.info.max_storage_buffers;
         if count > limit {
@@ -88,10 +106,15 @@ impl Check<'_> {
                 self.range(args, *offset, INDIRECT_ARGS_BYTES)?;
                 indirect_args(bound, args)
             }
-            Command::Clear(buffer) => self.owns(buffer.device, "buffer", &buffer.label),
+            Command::Clear(buffer) => {
+                self.plain(buffer)?;
+                self.owns(buffer.device, "buffer", &buffer.label)
+            }
             Command::Copy { from, from_offset, to, to_offset, bytes } => {
                 self.range(from, *from_offset, *bytes)?;
                 self.range(to, *to_offset, *bytes)?;
+                self.plain(from)?;
+                self.plain(to)?;
                 if from.same_memory(to) {
                     return Err(DeviceError::CopyWithin { label: from.label.to_string() });
                 }
@@ -135,8 +158,14 @@ fn indirect_args(bound: &BoundKernel, args: &Buffer) -> Result<(), DeviceError> 
 }
 
 fn binding_fits(binding: &Binding, buffer: &Buffer) -> Result<(), String> {
-    let wants_uniform = binding.kind == BindingKind::Uniform;
-    if wants_uniform != (buffer.usage == BufferUsage::Uniform) {
+    let fits = match binding.kind {
+        BindingKind::Uniform => buffer.usage == BufferUsage::Uniform,
+        BindingKind::Texels => buffer.usage == BufferUsage::Texels,
+        BindingKind::StorageRead | BindingKind::StorageReadWrite => {
+            matches!(buffer.usage, BufferUsage::Storage | BufferUsage::Indirect)
+        }
+    };
+    if !fits {
         return Err(format!(
             "it is {:?} and buffer '{}' was created as {:?}",
             binding.kind, buffer.label, buffer.usage

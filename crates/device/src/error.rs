@@ -148,6 +148,12 @@ pub enum DeviceError {
         /// The buffer's size in bytes.
         size: u64,
     },
+    /// A texel store was to be read, cleared or copied.
+    #[error("'{label}' is a texel store: it can be written and bound only")]
+    TexelStore {
+        /// The store's label.
+        label: String,
+    },
     /// A copy's source and destination are the same buffer.
     #[error("a copy within buffer '{label}': source and destination must be distinct buffers")]
     CopyWithin {

@@ -18,6 +18,9 @@ pub enum BufferUsage {
     Storage,
     /// Kernels read it as `var<uniform>`.
     Uniform,
+    /// A texel store: kernels read it as `texture_2d_array<u32>`, 16 bytes at a time. It may be larger
+    /// than a binding, is written in whole texels, and never read back.
+    Texels,
     /// Holds `[x, y, z]` workgroup counts for indirect dispatch; also storage.
     Indirect,
 }

@@ -134,6 +134,7 @@ fn kind(space: AddressSpace) -> BindingKind {
             BindingKind::StorageReadWrite
         }
         AddressSpace::Storage { .. } => BindingKind::StorageRead,
+        AddressSpace::Handle => BindingKind::Texels,
         other => panic!("{other:?} is no buffer"),
     }
 }

@@ -23,6 +23,7 @@ fn bindings_are_those_used_by_slot() {
             ("params", 0, BindingKind::Uniform, 64, "Params".to_owned()),
             ("points", 1, BindingKind::StorageRead, 16, "array<vec4<f32>>".to_owned()),
             ("queue", 3, BindingKind::StorageReadWrite, 64, "Queue".to_owned()),
+            ("texels", 4, BindingKind::Texels, 16, "(not in buffers)".to_owned()),
         ]
     );
     let entry = translation.entry.expect("an entry point");

@@ -186,6 +186,7 @@ impl Device for CpuDevice {
 
     fn write_buffer(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError> {
         self.check().range(buffer, offset, data.len() as u64)?;
+        self.check().whole_texels(buffer, offset, data.len() as u64)?;
         let memory = self.memory(buffer)?;
         let _access = self.access();
         // SAFETY: the range is inside the buffer and nothing else accesses it meanwhile.
@@ -197,6 +198,7 @@ impl Device for CpuDevice {
 
     fn read_buffer(&self, buffer: &Buffer, offset: u64, bytes: u64) -> Result<Vec<u8>, DeviceError> {
         self.check().range(buffer, offset, bytes)?;
+        self.check().plain(buffer)?;
         let memory = self.memory(buffer)?;
         let mut out = check::host_memory(&buffer.label, bytes)?;
         let _access = self.access();

@@ -7,6 +7,7 @@ mod fault;
 mod pipeline;
 mod run;
 mod staging;
+mod texels;
 
 use std::{
     collections::HashMap,
@@ -28,6 +29,7 @@ use clock::Clock;
 use fault::{Fault, Faults};
 use pipeline::{Bound, Ready};
 use staging::{STAGING_BYTES, Staging};
+use texels::Texels;
 
 /// The most commands in one submission.
 const SUBMIT_COMMANDS: usize = 1024;
@@ -115,6 +117,10 @@ impl GpuDevice {
         buffer.inner.downcast_ref().ok_or_else(|| self.foreign("buffer", &buffer.label))
     }
 
+    fn texels<'a>(&self, buffer: &'a Buffer) -> Result<&'a Texels, DeviceError> {
+        buffer.inner.downcast_ref().ok_or_else(|| self.foreign("texel store", &buffer.label))
+    }
+
     fn ready<'a>(&self, pipeline: &'a Pipeline) -> Result<&'a Ready, DeviceError> {
         pipeline.inner.downcast_ref().ok_or_else(|| self.foreign("pipeline", pipeline.kernel.name))
     }
@@ -125,6 +131,34 @@ impl GpuDevice {
 
     fn foreign(&self, what: &'static str, name: &str) -> DeviceError {
         DeviceError::Foreign { device: self.info.name.clone(), what, name: name.into() }
+    }
+
+    fn create_texels(&self, label: &str, bytes: u64) -> Result<Buffer, DeviceError> {
+        self.check().size(label, bytes, texels::max_bytes(&self.device.limits()))?;
+        let store = self.allocate(label, bytes, || Texels::new(&self.device, label, bytes))?;
+        let usage = BufferUsage::Texels;
+        Ok(Buffer { label: label.into(), bytes, usage, device: self.id, inner: Arc::new(store) })
+    }
+
+    /// Makes something that takes memory.
+    fn allocate<T>(&self, label: &str, bytes: u64, make: impl FnOnce() -> T) -> Result<T, DeviceError> {
+        self.faults.guard(&self.device, make).map_err(|fault| match fault {
+            Fault::OutOfMemory => {
+                let device = self.info.name.clone();
+                DeviceError::OutOfMemory { device, label: label.into(), bytes }
+            }
+            fault => self.error("create a buffer", fault),
+        })
+    }
+
+    /// Hands bytes to the queue.
+    fn enqueue(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError> {
+        if buffer.usage == BufferUsage::Texels {
+            self.texels(buffer)?.write(&self.queue, offset, data);
+        } else {
+            self.queue.write_buffer(self.buffer(buffer)?, offset, data);
+        }
+        Ok(())
     }
 
     fn read(&self, source: &wgpu::Buffer, range: (u64, u64), out: &mut Vec<u8>) -> Result<(), DeviceError> {
@@ -145,6 +179,7 @@ impl Device for GpuDevice {
             BufferUsage::Storage => (self.info.max_binding_bytes, Usages::STORAGE),
             BufferUsage::Indirect => (self.info.max_binding_bytes, Usages::STORAGE | Usages::INDIRECT),
             BufferUsage::Uniform => (self.device.limits().max_uniform_buffer_binding_size, Usages::UNIFORM),
+            BufferUsage::Texels => return self.create_texels(label, bytes),
         };
         self.check().size(label, bytes, limit)?;
         let descriptor = wgpu::BufferDescriptor {
@@ -153,27 +188,20 @@ impl Device for GpuDevice {
             usage: uses | Usages::COPY_SRC | Usages::COPY_DST,
             mapped_at_creation: false,
         };
-        let created = self.faults.guard(&self.device, || self.device.create_buffer(&descriptor));
-        let buffer = created.map_err(|fault| match fault {
-            Fault::OutOfMemory => {
-                let device = self.info.name.clone();
-                DeviceError::OutOfMemory { device, label: label.into(), bytes }
-            }
-            fault => self.error("create a buffer", fault),
-        })?;
+        let buffer = self.allocate(label, bytes, || self.device.create_buffer(&descriptor))?;
         Ok(Buffer { label: label.into(), bytes, usage, device: self.id, inner: Arc::new(buffer) })
     }
 
     fn write_buffer(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError> {
         self.check().range(buffer, offset, data.len() as u64)?;
-        let target = self.buffer(buffer)?;
+        self.check().whole_texels(buffer, offset, data.len() as u64)?;
         let mut at = offset;
         for portion in data.chunks(STAGING_BYTES as usize) {
             let submission = self.guard("write a buffer", || {
-                self.queue.write_buffer(target, at, portion);
+                self.enqueue(buffer, at, portion)?;
                 // A full portion is sent on its way, so that the next one finds its room free.
-                (portion.len() as u64 == STAGING_BYTES).then(|| self.queue.submit([]))
-            })?;
+                Ok((portion.len() as u64 == STAGING_BYTES).then(|| self.queue.submit([])))
+            })??;
             if let Some(submission) = submission {
                 self.wait(submission)?;
             }
@@ -184,6 +212,7 @@ impl Device for GpuDevice {
 
     fn read_buffer(&self, buffer: &Buffer, offset: u64, bytes: u64) -> Result<Vec<u8>, DeviceError> {
         self.check().range(buffer, offset, bytes)?;
+        self.check().plain(buffer)?;
         let mut out = check::host_memory(&buffer.label, bytes)?;
         self.read(self.buffer(buffer)?, (offset, bytes), &mut out)?;
         Ok(out)

@@ -66,19 +66,25 @@ fn compile(gpu: &GpuDevice, kernel: &'static Kernel) -> Ready {
 }
 
 fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+    let buffer = |ty| wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: NonZero::new(binding.min_bytes),
+    };
     let ty = match binding.kind {
-        BindingKind::Uniform => wgpu::BufferBindingType::Uniform,
-        BindingKind::StorageRead => wgpu::BufferBindingType::Storage { read_only: true },
-        BindingKind::StorageReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+        BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+        BindingKind::StorageRead => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+        BindingKind::StorageReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+        BindingKind::Texels => wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Uint,
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        },
     };
     wgpu::BindGroupLayoutEntry {
         binding: binding.slot,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: NonZero::new(binding.min_bytes),
-        },
+        ty,
         count: None,
     }
 }
@@ -99,7 +105,10 @@ impl Bound {
         let bindings = pipeline.kernel.bindings.iter().zip(buffers);
         let entries = bindings
             .map(|(binding, buffer)| {
-                let resource = gpu.buffer(buffer)?.as_entire_binding();
+                let resource = match binding.kind {
+                    BindingKind::Texels => wgpu::BindingResource::TextureView(&gpu.texels(buffer)?.view),
+                    _ => gpu.buffer(buffer)?.as_entire_binding(),
+                };
                 Ok(wgpu::BindGroupEntry { binding: binding.slot, resource })
             })
             .collect::<Result<Vec<_>, DeviceError>>()?;

@@ -11,6 +11,15 @@ pub enum BindingKind {
     StorageRead,
     /// `var<storage, read_write>`.
     StorageReadWrite,
+    /// `var t: texture_2d_array<u32>`: a texel store, see [`Storage::texel`].
+    Texels,
+}
+
+impl BindingKind {
+    /// Whether it is a storage buffer, of which adapters allow few.
+    pub fn is_storage(self) -> bool {
+        matches!(self, Self::StorageRead | Self::StorageReadWrite)
+    }
 }
 
 /// One buffer of a kernel. All bindings are in group 0.

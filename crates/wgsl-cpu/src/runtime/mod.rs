@@ -24,5 +24,5 @@ pub use math::*;
 pub use matrix::{Mat, Square, Transpose, determinant, transpose};
 pub use number::{Number, Scalar, Signed, Zero, div, rem, zero};
 pub use pack::*;
-pub use storage::{Place, Storage, Stored};
+pub use storage::{Place, Storage, Stored, TEXEL_BYTES, TEXEL_COLUMNS, TEXEL_ROWS};
 pub use vector::*;

@@ -4,6 +4,13 @@ use std::{cell::UnsafeCell, marker::PhantomData, sync::atomic::AtomicU32};
 
 use super::{AsIndex, Atomic, AtomicWord, Mat, Vec2, Vec3, Vec4};
 
+/// Texels in a row of a texel store.
+pub const TEXEL_COLUMNS: u32 = 4096;
+/// Rows in a layer of a texel store; a store of one layer may have fewer.
+pub const TEXEL_ROWS: u32 = 4096;
+/// Bytes of a texel: four words.
+pub const TEXEL_BYTES: u32 = 16;
+
 /// A view of a buffer's bytes, shared by all invocations of a dispatch. Plain `&mut` would be
 /// unsound there: invocations on other threads hold it too.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +69,23 @@ impl<'a> Storage<'a> {
         }
         // SAFETY: the element is in range, and otherwise this function's contract.
         unsafe { self.at(offset) }
+    }
+
+    /// The texel of a texel store, whose rows lie one after the other, as the layers of rows do. Out of
+    /// range: zeros, as WGSL allows.
+    ///
+    /// # Safety
+    /// Nothing writes the buffer meanwhile.
+    #[inline(always)]
+    pub unsafe fn texel<I: AsIndex>(&self, at: Vec2<I>, layer: impl AsIndex) -> Vec4<u32> {
+        let (columns, rows) = (TEXEL_COLUMNS as usize, TEXEL_ROWS as usize);
+        let (x, y) = (at.x.wide(), at.y.wide());
+        let offset = ((layer.wide() * rows + y) * columns + x) * TEXEL_BYTES as usize;
+        if x >= columns || y >= rows || offset + TEXEL_BYTES as usize > self.len_bytes {
+            return Vec4::splat(0);
+        }
+        // SAFETY: the texel is in range.
+        unsafe { self.at(offset).load() }
     }
 
     /// The byte offset of the last element.

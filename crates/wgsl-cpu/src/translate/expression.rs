@@ -86,8 +86,25 @@ impl FunctionWriter<'_> {
             Expression::Math { fun, arg, arg1, arg2, arg3 } => self.math(fun, [Some(arg), arg1, arg2, arg3]),
             Expression::As { expr, kind, convert } => self.cast(expr, kind, convert),
             Expression::ArrayLength(array) => self.array_length(array),
+            Expression::ImageLoad { image, coordinate, array_index: Some(layer), .. } => {
+                self.texel(image, coordinate, layer)
+            }
             ref other => Err(Unsupported::new(construct(other), naga::Span::UNDEFINED)),
         }
+    }
+
+    /// `textureLoad` of a texel store, which has one level.
+    fn texel(
+        &self,
+        image: Handle<Expression>,
+        coordinate: Handle<Expression>,
+        layer: Handle<Expression>,
+    ) -> Result<Text> {
+        let Expression::GlobalVariable(store) = self.function.expressions[image] else {
+            return Err(Unsupported::new("a texture as an argument", naga::Span::UNDEFINED));
+        };
+        let (at, layer) = (self.value(coordinate)?.code, self.value(layer)?.code);
+        Ok(Text::atom(format!("globals.{}.texel({at}, {layer})", self.names.global(store))))
     }
 
     fn compose(&self, ty: Handle<naga::Type>, components: &[Handle<Expression>]) -> Result<Text> {

@@ -212,7 +212,10 @@ impl<'a> FunctionWriter<'a> {
     fn accesses_storage(&self) -> bool {
         self.function.expressions.iter().any(|(_, expression)| match *expression {
             Expression::GlobalVariable(global) => {
-                matches!(self.module.global_variables[global].space, AddressSpace::Storage { .. })
+                matches!(
+                    self.module.global_variables[global].space,
+                    AddressSpace::Storage { .. } | AddressSpace::Handle
+                )
             }
             _ => false,
         })

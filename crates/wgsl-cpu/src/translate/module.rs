@@ -3,12 +3,12 @@
 use std::{collections::HashSet, fmt::Write as _};
 
 use naga::{
-    AddressSpace, Constant, Expression, Function, GlobalVariable, Handle, Module, ShaderStage, Span,
-    StorageAccess, StructMember, Type, TypeInner,
+    AddressSpace, Constant, Expression, Function, GlobalVariable, Handle, ImageClass, ImageDimension, Module,
+    ScalarKind, ShaderStage, Span, StorageAccess, StructMember, Type, TypeInner,
     valid::{FunctionInfo, ModuleInfo},
 };
 
-use crate::runtime::BindingKind;
+use crate::runtime::{self, BindingKind};
 
 use super::{
     Translation,
@@ -36,6 +36,18 @@ pub(super) fn translate(wgsl: &str, module: &Module, info: &ModuleInfo) -> Resul
         structs: reflect::structs(module),
         constants: reflect::constants(module),
     })
+}
+
+/// `texture_2d_array<u32>`, the one kind of texture there is.
+fn is_texel_store(inner: &TypeInner) -> bool {
+    matches!(
+        inner,
+        TypeInner::Image {
+            dim: ImageDimension::D2,
+            arrayed: true,
+            class: ImageClass::Sampled { kind: ScalarKind::Uint, multi: false },
+        }
+    )
 }
 
 fn entry_info(wgsl: &str, module: &Module) -> Result<Option<EntryInfo>> {
@@ -115,6 +127,9 @@ impl<'a> ModuleWriter<'a> {
             }
             AddressSpace::Storage { .. } => BindingKind::StorageRead,
             AddressSpace::WorkGroup => return Err(Unsupported::new("workgroup memory", Span::UNDEFINED)),
+            AddressSpace::Handle if is_texel_store(&self.module.types[global.ty].inner) => {
+                BindingKind::Texels
+            }
             AddressSpace::Handle => {
                 return Err(Unsupported::new("a texture or a sampler", Span::UNDEFINED));
             }
@@ -124,11 +139,15 @@ impl<'a> ModuleWriter<'a> {
             return Err(Unsupported::new("a binding outside group 0", Span::UNDEFINED));
         };
         let inner = &self.module.types[global.ty].inner;
+        let min_bytes = match kind {
+            BindingKind::Texels => runtime::TEXEL_BYTES,
+            _ => inner.size(self.module.to_ctx()),
+        };
         Ok(Some(BindingInfo {
             name: global.name.clone().unwrap_or_default(),
             slot: resource.binding,
             kind,
-            min_bytes: u64::from(inner.size(self.module.to_ctx())),
+            min_bytes: u64::from(min_bytes),
             ty: reflect::type_info(self.module, global.ty),
         }))
     }

@@ -51,7 +51,7 @@ pub enum TypeInfo {
     },
     /// A struct, by its name in [`Translation::structs`](super::Translation::structs).
     Struct(String),
-    /// A type that no buffer can hold.
+    /// A texel store, or a type that no buffer can hold.
     Other,
 }
 

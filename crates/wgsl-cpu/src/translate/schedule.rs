@@ -207,6 +207,9 @@ pub(super) fn operands(expression: &Expression) -> Vec<Handle<Expression>> {
             [Some(arg), arg1, arg2, arg3].into_iter().flatten().collect()
         }
         Expression::ArrayLength(array) => vec![array],
+        Expression::ImageLoad { image, coordinate, array_index, .. } => {
+            [Some(image), Some(coordinate), array_index].into_iter().flatten().collect()
+        }
         _ => Vec::new(),
     }
 }

@@ -84,6 +84,7 @@ pub const BINDINGS: &[rt::Binding] = &[
     rt::Binding { name: "params", slot: 0, kind: rt::BindingKind::Uniform, min_bytes: 64 },
     rt::Binding { name: "points", slot: 1, kind: rt::BindingKind::StorageRead, min_bytes: 16 },
     rt::Binding { name: "queue", slot: 3, kind: rt::BindingKind::StorageReadWrite, min_bytes: 64 },
+    rt::Binding { name: "texels", slot: 4, kind: rt::BindingKind::Texels, min_bytes: 16 },
 ];
 
 #[derive(Clone, Copy, Debug)]
@@ -91,6 +92,7 @@ pub struct Globals<'a> {
     pub params: Params,
     pub points: rt::Storage<'a>,
     pub queue: rt::Storage<'a>,
+    pub texels: rt::Storage<'a>,
 }
 
 impl<'a> Globals<'a> {
@@ -104,6 +106,7 @@ impl<'a> Globals<'a> {
                 params: bindings[0].at(0).load(),
                 points: bindings[1],
                 queue: bindings[2],
+                texels: bindings[3],
             }
         }
     }
@@ -120,6 +123,15 @@ impl Private {
         Self {
             state: 1u32,
         }
+    }
+}
+
+#[inline(always)]
+pub fn texel(globals: &Globals<'_>, at: u32) -> Vec4<u32> {
+    // SAFETY: `Globals::new`'s contract: the buffers hold what is accessed here, and every
+    // index is kept in range.
+    unsafe {
+        globals.texels.texel(Vec2::new(at & 4095u32, at.wrapping_shr(12u32)), 0i32)
     }
 }
 
@@ -158,6 +170,8 @@ fn kernel(globals: &Globals<'_>, private: &mut Private, id: Vec3<u32>, lane: u32
         let e31 = random(private);
         item.samples[rt::index(e31 % 5u32, 5)] = globals.points.element(2u32.wrapping_mul(id.x).wrapping_add(1u32), 0, 16).at(12).load::<f32>();
         globals.queue.element(id.x, 16, 48).at(4).store(item.samples[2]);
+        let e55 = texel(globals, id.x);
+        item.kind = e55.w;
         push(globals, item);
     }
 }

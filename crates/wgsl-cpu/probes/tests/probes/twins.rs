@@ -68,6 +68,7 @@ fn run(device: &dyn Device, case: &Case) -> Result<Vec<u32>, DeviceError> {
         let usage = match binding.kind {
             BindingKind::Uniform => BufferUsage::Uniform,
             BindingKind::StorageRead | BindingKind::StorageReadWrite => BufferUsage::Storage,
+            BindingKind::Texels => BufferUsage::Texels,
         };
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
         let buffer = device.create_buffer(binding.name, bytes.len() as u64, usage)?;
