@@ -14,6 +14,8 @@ struct Item {
     bytes: u64,
     /// Whether it shrinks with the batch.
     scales: bool,
+    /// Whether it is bound as a buffer, whose size adapters limit.
+    binds: bool,
 }
 
 /// A list of the buffers that a render will take.
@@ -34,12 +36,17 @@ pub struct MemoryPlan {
 impl MemoryPlan {
     /// Adds a buffer whose size the scene and the film fix.
     pub fn fixed(&mut self, label: impl Into<String>, bytes: u64) {
-        self.items.push(Item { label: label.into(), bytes, scales: false });
+        self.items.push(Item { label: label.into(), bytes, scales: false, binds: true });
     }
 
     /// Adds a buffer whose size is in proportion to the batch of paths in flight.
     pub fn scaling(&mut self, label: impl Into<String>, bytes: u64) {
-        self.items.push(Item { label: label.into(), bytes, scales: true });
+        self.items.push(Item { label: label.into(), bytes, scales: true, binds: true });
+    }
+
+    /// Adds a texel store: its size is fixed, and may be above what a binding may be.
+    pub fn texels(&mut self, label: impl Into<String>, bytes: u64) {
+        self.items.push(Item { label: label.into(), bytes, scales: false, binds: false });
     }
 
     /// The labels and sizes in bytes, in the order they were added.
@@ -55,7 +62,7 @@ impl MemoryPlan {
     /// The part of a batch, at most 1, whose buffers fit a device with the fixed ones; 0 where the
     /// fixed ones alone do not fit.
     pub fn batch_fraction_that_fits(&self, info: &DeviceInfo) -> f64 {
-        if self.items.iter().any(|item| !item.scales && item.bytes > info.max_binding_bytes) {
+        if self.items.iter().any(|item| item.binds && !item.scales && item.bytes > info.max_binding_bytes) {
             return 0.0;
         }
         let scaling = self.items.iter().filter(|item| item.scales);
@@ -73,7 +80,7 @@ impl MemoryPlan {
     /// # Errors
     /// [`DeviceError::BufferTooLarge`] or [`DeviceError::PlanTooLarge`].
     pub fn check(&self, info: &DeviceInfo) -> Result<(), DeviceError> {
-        if let Some(item) = self.items.iter().find(|item| item.bytes > info.max_binding_bytes) {
+        if let Some(item) = self.items.iter().find(|item| item.binds && item.bytes > info.max_binding_bytes) {
             return Err(DeviceError::BufferTooLarge {
                 device: info.name.clone(),
                 label: item.label.clone(),

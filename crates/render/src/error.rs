@@ -25,4 +25,7 @@ pub enum RenderError {
         /// Vertices that there was room for.
         capacity: u32,
     },
+    /// The images are larger than the texel store can address.
+    #[error("the scene's images take over 64 GiB of memory: scale them down")]
+    TooManyTexels,
 }

@@ -46,6 +46,9 @@ pub fn base_params(
         lights_at: packed.lights_at,
         surfaces_at: packed.surfaces_at,
         random_at: packed.random_at,
+        textures_at: packed.textures_at,
+        srgb_at: packed.srgb_at,
+        slots_at: packed.slots_at,
         n_lights: packed.n_lights,
         n_random: packed.n_random,
         ..bytemuck::Zeroable::zeroed()

@@ -395,6 +395,9 @@ fn upload(device: &dyn Device, packed: &PackedScene, n_pixels: u32) -> Result<Bu
         device.write_buffer(&buffer, 0, bytemuck::cast_slice(words))?;
         set.insert(name, buffer);
     }
+    let texels = device.create_buffer("texels", packed.images.bytes(), BufferUsage::Texels)?;
+    packed.images.upload(device, &texels)?;
+    set.insert("texels", texels);
     let film_bytes = u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4;
     set.insert("film", device.create_buffer("film", film_bytes, BufferUsage::Storage)?);
     set.insert("image", device.create_buffer("image", u64::from(n_pixels) * 16, BufferUsage::Storage)?);

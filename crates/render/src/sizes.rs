@@ -110,6 +110,7 @@ pub fn plan_shared(packed: &PackedScene, n_pixels: u32) -> MemoryPlan {
     plan.fixed("nodes", size_of_val(&packed.nodes[..]) as u64);
     plan.fixed("triangles", size_of_val(&packed.triangles[..]) as u64);
     plan.fixed("scene", size_of_val(&packed.scene[..]) as u64);
+    plan.texels("texels", packed.images.bytes());
     plan.fixed("film", u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4);
     plan.fixed("image", u64::from(n_pixels) * 16);
     plan

@@ -11,4 +11,5 @@ mod mis;
 mod random_numbers;
 mod sampling;
 mod support;
+mod textures;
 mod twins;

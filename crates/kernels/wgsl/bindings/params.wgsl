@@ -57,6 +57,11 @@ struct Params {
     lights_at: u32,
     surfaces_at: u32,
     random_at: u32,
+    textures_at: u32,
+    /// The table of the sRGB curve.
+    srgb_at: u32,
+    /// Materials' records of textures.
+    slots_at: u32,
     n_lights: u32,
     /// Entries of the table of pre-generated numbers, 0 for none.
     n_random: u32,

@@ -1,5 +1,5 @@
-// The packed scene: materials, then lights, triangles' surfaces, and pre-generated numbers, all as
-// vec4 in one buffer (a stage has 8).
+// The packed scene: materials, lights, triangles' surfaces, pre-generated numbers, and what textures are
+// looked up by, all as vec4 in one buffer (a stage has 8).
 
 /// vec4 per entry.
 const MATERIAL_STRIDE: u32 = 3u;

@@ -5,6 +5,7 @@
 #include "lib/camera.wgsl"
 #include "lib/bsdf.wgsl"
 #include "lib/light.wgsl"
+#include "lib/texture.wgsl"
 #include "lib/mis.wgsl"
 #include "lib/fixed_point.wgsl"
 #include "lib/intersect.wgsl"

@@ -3,6 +3,8 @@
 mod geometry;
 mod lights;
 mod materials;
+mod slots;
+mod textures;
 
 use glam::Vec3;
 use midway_accel::{BuildOptions, build};
@@ -13,6 +15,8 @@ use self::{
     geometry::{pack_surfaces, pack_triangles},
     lights::pack_lights,
     materials::pack_material,
+    slots::pack_slots,
+    textures::{PackedImages, TextureTable, srgb_table},
 };
 use crate::{RenderError, lights::Lights, medium::MediumFinder};
 
@@ -38,6 +42,14 @@ pub struct PackedScene {
     pub n_lights: u32,
     /// How many pre-generated numbers there are.
     pub n_random: u32,
+    /// The images, for the texel store (`texels` in WGSL).
+    pub images: PackedImages,
+    /// Where textures start in `scene`.
+    pub textures_at: u32,
+    /// Where the table of the sRGB curve starts.
+    pub srgb_at: u32,
+    /// Where materials' records of textures start.
+    pub slots_at: u32,
     /// The medium that the camera is in, or the kernels' NONE.
     pub camera_medium: u32,
 }
@@ -55,9 +67,14 @@ impl PackedScene {
         let lights = Lights::collect(world.iter(), &scene.materials);
         let media =
             MediumFinder { bvh: &bvh, positions: &positions, triangles: &world, materials: &scene.materials };
+        let images = PackedImages::new(&scene.images)?;
+        let mut textures = TextureTable::default();
         let mut words = Vec::new();
+        let mut slots = Vec::new();
         for material in &scene.materials {
-            words.extend(pack_material(material));
+            let (record, flags) = pack_slots(material, &images, &mut textures);
+            words.extend(pack_material(material, flags));
+            slots.extend(record);
         }
         let lights_at = words.len() as u32;
         pack_lights(&lights, &world, &media, &mut words);
@@ -65,6 +82,12 @@ impl PackedScene {
         pack_surfaces(&world, &lights, &mut words);
         let random_at = words.len() as u32;
         words.extend((0..rng_table.unwrap_or(0)).map(pregenerated_numbers));
+        let slots_at = words.len() as u32;
+        words.extend(slots);
+        let textures_at = words.len() as u32;
+        words.extend(textures.words());
+        let srgb_at = words.len() as u32;
+        words.extend(srgb_table());
         let camera_medium = medium_or_none(
             &media,
             camera.position(),
@@ -79,6 +102,10 @@ impl PackedScene {
             random_at,
             n_lights: lights.lights.len() as u32,
             n_random: rng_table.unwrap_or(0),
+            images,
+            textures_at,
+            srgb_at,
+            slots_at,
             camera_medium,
         })
     }

@@ -22,6 +22,7 @@ pub fn run(device: &dyn Device, name: &str, inputs: &[(&str, &[u8])], n: u32) ->
         let usage = match binding.kind {
             BindingKind::Uniform => BufferUsage::Uniform,
             BindingKind::StorageRead | BindingKind::StorageReadWrite => BufferUsage::Storage,
+            BindingKind::Texels => BufferUsage::Texels,
         };
         let buffer = device.create_buffer(binding.name, bytes.len() as u64, usage).expect("created");
         device.write_buffer(&buffer, 0, bytes).expect("written");

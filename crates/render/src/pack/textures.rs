@@ -1,0 +1,157 @@
+//! Images in the texel store, and textures as records of vec4.
+
+use std::collections::HashMap;
+
+use glam::Mat3;
+use midway_device::{Buffer, Device};
+use midway_kernels::constants as k;
+use midway_scene::{Filter, Image, Texels, Texture, Wrap, srgb_to_linear};
+
+use super::Word4;
+use crate::RenderError;
+
+/// A texel of the store, in bytes.
+const TEXEL_BYTES: u64 = 16;
+
+/// Images with their places in the texel store. Their texels are shared with the scene, and packed
+/// when they are uploaded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PackedImages {
+    images: Vec<Image>,
+    /// The first texel of each image.
+    places: Vec<u32>,
+    n_texels: u64,
+}
+
+impl PackedImages {
+    /// Lays out images one after the other.
+    ///
+    /// # Errors
+    /// If they are more than 32 bits can address: 64 GiB.
+    pub fn new(images: &[Image]) -> Result<Self, RenderError> {
+        let mut packed = Self { images: images.to_vec(), ..Self::default() };
+        for image in images {
+            let place = u32::try_from(packed.n_texels).map_err(|_| RenderError::TooManyTexels)?;
+            packed.places.push(place);
+            packed.n_texels += n_store_texels(image);
+        }
+        Ok(packed)
+    }
+
+    /// The store's size, at least one texel.
+    pub fn bytes(&self) -> u64 {
+        self.n_texels.max(1) * TEXEL_BYTES
+    }
+
+    /// The whole store, for devices that are handed it at once.
+    pub fn to_words(&self) -> Vec<Word4> {
+        let mut words: Vec<Word4> = self.images.iter().flat_map(pack_image).collect();
+        words.resize((self.bytes() / TEXEL_BYTES) as usize, Word4::default());
+        words
+    }
+
+    /// Packs each image and writes it to the store.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn upload(&self, device: &dyn Device, store: &Buffer) -> Result<(), RenderError> {
+        for (image, place) in self.images.iter().zip(&self.places) {
+            let words = pack_image(image);
+            device.write_buffer(store, u64::from(*place) * TEXEL_BYTES, bytemuck::cast_slice(&words))?;
+        }
+        Ok(())
+    }
+}
+
+/// The store's texels that an image takes.
+fn n_store_texels(image: &Image) -> u64 {
+    let (width, height) = (u64::from(image.width), u64::from(image.height));
+    match image.texels {
+        Texels::Srgb8(_) | Texels::Linear8(_) => width.div_ceil(2) * height.div_ceil(2),
+        Texels::Linear16(_) => width.div_ceil(2) * height,
+        Texels::Float(_) => width * height,
+    }
+}
+
+/// An image's texels as the store holds them (lib/texture.wgsl).
+fn pack_image(image: &Image) -> Vec<Word4> {
+    let mut words = vec![Word4::default(); n_store_texels(image) as usize];
+    let (width, pairs) = (image.width as usize, image.width.div_ceil(2) as usize);
+    match &image.texels {
+        Texels::Srgb8(texels) | Texels::Linear8(texels) => {
+            for (y, row) in texels.chunks_exact(width).enumerate() {
+                for (x, texel) in row.iter().enumerate() {
+                    words[y / 2 * pairs + x / 2][y % 2 * 2 + x % 2] = u32::from_le_bytes(*texel);
+                }
+            }
+        }
+        Texels::Linear16(texels) => {
+            for (y, row) in texels.chunks_exact(width).enumerate() {
+                for (x, &[r, g, b, a]) in row.iter().enumerate() {
+                    let word = &mut words[y * pairs + x / 2];
+                    word[x % 2 * 2] = u32::from(r) | u32::from(g) << 16;
+                    word[x % 2 * 2 + 1] = u32::from(b) | u32::from(a) << 16;
+                }
+            }
+        }
+        Texels::Float(texels) => {
+            for (word, texel) in words.iter_mut().zip(texels.iter()) {
+                *word = texel.map(f32::to_bits);
+            }
+        }
+    }
+    words
+}
+
+/// Textures, each record once.
+#[derive(Default)]
+pub struct TextureTable {
+    records: Vec<[Word4; k::TEXTURE_STRIDE as usize]>,
+    indices: HashMap<[Word4; k::TEXTURE_STRIDE as usize], u32>,
+}
+
+impl TextureTable {
+    /// The index of a texture's record.
+    pub fn index(&mut self, images: &PackedImages, texture: &Texture) -> u32 {
+        let record = record(images, texture);
+        let next = self.records.len() as u32;
+        let index = *self.indices.entry(record).or_insert(next);
+        if index == next {
+            self.records.push(record);
+        }
+        index
+    }
+
+    /// All records.
+    pub fn words(&self) -> &[Word4] {
+        self.records.as_flattened()
+    }
+}
+
+fn record(images: &PackedImages, texture: &Texture) -> [Word4; k::TEXTURE_STRIDE as usize] {
+    let image = &images.images[texture.image as usize];
+    let encoding = match image.texels {
+        Texels::Srgb8(_) => k::ENCODING_SRGB8,
+        Texels::Linear8(_) => k::ENCODING_LINEAR8,
+        Texels::Linear16(_) => k::ENCODING_LINEAR16,
+        Texels::Float(_) => k::ENCODING_FLOAT,
+    };
+    let [wrap_u, wrap_v] = texture.wrap.map(|wrap| match wrap {
+        Wrap::Repeat => k::WRAP_REPEAT,
+        Wrap::Mirror => k::WRAP_MIRROR,
+        Wrap::Clamp => k::WRAP_CLAMP,
+        Wrap::Black => k::WRAP_BLACK,
+    });
+    let bilinear = u32::from(texture.filter == Filter::Bilinear);
+    let bits = encoding | wrap_u << 2 | wrap_v << 4 | bilinear << 6 | texture.uv_set << 7;
+    let row = |row: usize| {
+        let r = Mat3::row(&texture.image_from_uv, row).to_array().map(f32::to_bits);
+        [r[0], r[1], r[2], 0]
+    };
+    [[images.places[texture.image as usize], image.width, image.height, bits], row(0), row(1)]
+}
+
+/// The sRGB curve for each byte.
+pub fn srgb_table() -> [Word4; k::SRGB_TABLE_SIZE as usize] {
+    std::array::from_fn(|i| std::array::from_fn(|c| srgb_to_linear((4 * i + c) as u8).to_bits()))
+}
