@@ -38,16 +38,19 @@ fn to_json(errors: &Comparison) -> Value {
         "relmse": errors.relmse,
         "flip": errors.flip,
         "mean_ratio": errors.mean_ratio,
+        "block_ratio": errors.block_ratio,
     })
 }
 
-fn to_lines(errors: &Comparison) -> [String; 5] {
+fn to_lines(errors: &Comparison) -> [String; 6] {
     let [r, g, b] = errors.mean_ratio;
+    let [low, median, high] = errors.block_ratio;
     [
         format!("MAE         {:.6e}", errors.mae),
         format!("RMSE        {:.6e}", errors.rmse),
         format!("relMSE      {:.6e}", errors.relmse),
         format!("FLIP        {:.6}", errors.flip),
         format!("mean ratio  {r:.6} {g:.6} {b:.6}  (red, green, blue)"),
+        format!("blocks      {median:.6}  ({low:.4} to {high:.4} in four fifths of the blocks of 16 x 16)"),
     ]
 }

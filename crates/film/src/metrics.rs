@@ -19,6 +19,11 @@ pub struct Comparison {
     /// Mean of the test over mean of the reference, per channel. 1 where both are 0; infinite
     /// where only the reference is.
     pub mean_ratio: [f64; 3],
+    /// Of the ratios of means over blocks of 16 x 16 pixels, each channel by itself: the tenth
+    /// percentile, the median and the ninetieth. Fireflies and the few blocks where two renderers
+    /// disagree do not move the median. Blocks darker than a thousandth of the mean do not count; 1
+    /// where none does.
+    pub block_ratio: [f64; 3],
 }
 
 /// Compares a test image with a reference.
@@ -32,7 +37,8 @@ pub fn compare(test: &Image, reference: &Image) -> Result<Comparison, FilmError>
     let map = flip(test, reference, DEFAULT_PIXELS_PER_DEGREE)?;
     let flip = map.iter().map(|error| f64::from(*error)).sum::<f64>() / map.len() as f64;
     let (a, b) = (test.mean(), reference.mean());
-    Ok(Comparison { mae, rmse, relmse, flip, mean_ratio: [0, 1, 2].map(|i| ratio(a[i], b[i])) })
+    let mean_ratio = [0, 1, 2].map(|i| ratio(a[i], b[i]));
+    Ok(Comparison { mae, rmse, relmse, flip, mean_ratio, block_ratio: block_ratio(test, reference) })
 }
 
 /// The two numbers of an error log, without the cost of FLIP.
@@ -59,6 +65,29 @@ pub fn relative_error(test: &Image, reference: &Image) -> Result<Vec<f32>, FilmE
             (sum / 3.0).sqrt() as f32
         })
         .collect())
+}
+
+/// Pixels along a block's side.
+const BLOCK: usize = 16;
+/// Blocks darker than this share of the reference's mean do not count.
+const DARK_BLOCK: f64 = 1e-3;
+
+/// [`Comparison::block_ratio`].
+fn block_ratio(test: &Image, reference: &Image) -> [f64; 3] {
+    let means = |image: &Image| image.block_means(BLOCK);
+    let (a, b) = (means(test), means(reference));
+    let least = DARK_BLOCK * reference.mean().iter().sum::<f64>() / 3.0;
+    let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
+    let mut ratios: Vec<f64> = pairs
+        .map(|(a, b)| (f64::from(*a), f64::from(*b)))
+        .filter(|(_, b)| *b > least)
+        .map(|(a, b)| a / b)
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    [0.1, 0.5, 0.9].map(|p| {
+        let last = ratios.len().saturating_sub(1) as f64;
+        ratios.get((p * last).round() as usize).copied().unwrap_or(1.0)
+    })
 }
 
 /// Fails unless both images are whole, of one size and finite.
@@ -119,7 +148,7 @@ mod tests {
     #[test]
     fn equal_images_have_no_error() {
         let errors = compare(&picture(), &picture()).unwrap();
-        let zero = Comparison { mae: 0.0, rmse: 0.0, relmse: 0.0, flip: 0.0, mean_ratio: [1.0; 3] };
+        let zero = Comparison { mae: 0.0, rmse: 0.0, relmse: 0.0, flip: 0.0, mean_ratio: [1.0; 3], block_ratio: [1.0; 3] };
         assert_eq!(errors, zero);
         assert!(passes(&picture(), &picture()));
     }
@@ -137,6 +166,21 @@ mod tests {
         assert_eq!(errors.mean_ratio[2], f64::INFINITY);
         let relative = relative_error(&test, &reference).unwrap();
         assert!((f64::from(relative[7]).powi(2) - errors.relmse).abs() <= 1e-6);
+    }
+
+    #[test]
+    fn one_bad_block_moves_no_median() {
+        let mut test = picture();
+        for pixel in test.pixels.iter_mut() {
+            *pixel = pixel.map(|value| value * 1.02);
+        }
+        for y in 0..16 {
+            test.pixels[y * 48..y * 48 + 16].fill([50.0; 3]);
+        }
+        let [low, median, high] = compare(&test, &picture()).unwrap().block_ratio;
+        assert!((low - 1.02).abs() <= 1e-5 && (median - 1.02).abs() <= 1e-5, "{low} {median}");
+        assert!(high > 10.0, "{high}");
+        assert_eq!(block_ratio(&picture(), &Image::filled(48, 32, [0.0; 3])), [1.0; 3]);
     }
 
     #[test]

@@ -20,7 +20,7 @@ fn json_has_the_five_keys() {
     let run = sandbox.expect(0, &["compare", "a.exr", "b.exr", "--json", "--heatmap", "h.png"]);
     let [object] = &run.json_lines()[..] else { panic!("{}", run.stdout) };
     let keys: Vec<&String> = object.as_object().unwrap().keys().collect();
-    assert_eq!(keys, ["mae", "rmse", "relmse", "flip", "mean_ratio"]);
+    assert_eq!(keys, ["mae", "rmse", "relmse", "flip", "mean_ratio", "block_ratio"]);
     for channel in object["mean_ratio"].as_array().unwrap() {
         assert!((channel.as_f64().unwrap() - 1.01).abs() <= 1e-5);
     }
