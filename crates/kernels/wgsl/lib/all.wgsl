@@ -8,3 +8,4 @@
 #include "lib/mis.wgsl"
 #include "lib/fixed_point.wgsl"
 #include "lib/intersect.wgsl"
+#include "lib/surface.wgsl"

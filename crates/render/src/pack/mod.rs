@@ -3,18 +3,18 @@
 mod geometry;
 mod lights;
 mod materials;
+mod normals;
 
 use glam::Vec3;
-use midway_accel::{BuildOptions, build};
 use midway_kernels::constants as k;
-use midway_scene::{Camera, Scene, WorldTriangle};
+use midway_scene::{Camera, Scene};
 
 use self::{
     geometry::{pack_surfaces, pack_triangles},
     lights::pack_lights,
     materials::pack_material,
 };
-use crate::{RenderError, lights::Lights, medium::MediumFinder};
+use crate::{RenderError, lights::Lights, medium::MediumFinder, world::World};
 
 /// A vec4 as bits, so that no float move touches an integer.
 type Word4 = [u32; 4];
@@ -22,20 +22,26 @@ type Word4 = [u32; 4];
 /// Everything about a scene that kernels read, ready to be copied to a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedScene {
-    /// Nodes of the hierarchy (`nodes` in WGSL).
+    /// Nodes of the hierarchies, and placements (`nodes` in WGSL).
     pub nodes: Vec<Word4>,
     /// Leaf slots (`triangles` in WGSL).
     pub triangles: Vec<Word4>,
-    /// Materials, lights, surfaces, random numbers (`scene` in WGSL).
+    /// Materials, lights, surfaces, instances, random numbers (`scene` in WGSL).
     pub scene: Vec<Word4>,
     /// Where lights start in `scene`, in vec4.
     pub lights_at: u32,
     /// Where surfaces start.
     pub surfaces_at: u32,
+    /// Where instances start.
+    pub instances_at: u32,
     /// Where pre-generated random numbers start.
     pub random_at: u32,
     /// How many lights there are.
     pub n_lights: u32,
+    /// Triangles stored as they are in the world, or the kernels' NONE where all are.
+    pub n_baked: u32,
+    /// Instances that share their mesh's geometry.
+    pub n_instances: u32,
     /// How many pre-generated numbers there are.
     pub n_random: u32,
     /// The medium that the camera is in, or the kernels' NONE.
@@ -49,20 +55,18 @@ impl PackedScene {
     /// If the scene is invalid or no hierarchy can be built over it.
     pub fn new(scene: &Scene, camera: &Camera, rng_table: Option<u32>) -> Result<Self, RenderError> {
         scene.validate()?;
-        let world: Vec<WorldTriangle> = scene.world_triangles().collect();
-        let positions: Vec<[Vec3; 3]> = world.iter().map(|t| t.positions).collect();
-        let bvh = build(&positions, &BuildOptions::default())?;
-        let lights = Lights::collect(world.iter(), &scene.materials);
-        let media =
-            MediumFinder { bvh: &bvh, positions: &positions, triangles: &world, materials: &scene.materials };
+        let world = World::new(scene)?;
+        let positions = world.baked_positions();
+        let two_level = world.build(&positions)?;
+        let lights = Lights::collect(world.emissive(), &scene.materials);
+        let media = MediumFinder { two_level: &two_level, positions: &positions, world: &world };
         let mut words = Vec::new();
         for material in &scene.materials {
             words.extend(pack_material(material));
         }
         let lights_at = words.len() as u32;
         pack_lights(&lights, &world, &media, &mut words);
-        let surfaces_at = words.len() as u32;
-        pack_surfaces(&world, &lights, &mut words);
+        let at = pack_surfaces(&world, &lights, &mut words);
         let random_at = words.len() as u32;
         words.extend((0..rng_table.unwrap_or(0)).map(pregenerated_numbers));
         let camera_medium = medium_or_none(
@@ -70,14 +74,18 @@ impl PackedScene {
             camera.position(),
             camera.world_from_camera.transform_vector3(Vec3::NEG_Z),
         );
+        let first_ids: Vec<u32> = world.placed().iter().map(|part| part.first_id).collect();
         Ok(Self {
-            triangles: pack_triangles(&bvh, &positions),
-            nodes: bvh.nodes,
+            triangles: pack_triangles(&two_level, &world, &positions),
+            nodes: two_level.nodes(&first_ids),
             scene: words,
             lights_at,
-            surfaces_at,
+            surfaces_at: at.surfaces,
+            instances_at: at.instances,
             random_at,
             n_lights: lights.lights.len() as u32,
+            n_baked: if world.placed().is_empty() { k::NONE } else { world.n_baked },
+            n_instances: world.placed().len() as u32,
             n_random: rng_table.unwrap_or(0),
             camera_medium,
         })

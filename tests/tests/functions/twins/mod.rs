@@ -2,6 +2,8 @@
 
 mod compare;
 pub mod device;
+mod instances;
+mod surfaces;
 mod traversal;
 
 use bytemuck::cast_slice;
@@ -30,7 +32,7 @@ const BRANCHES: Tolerance = Tolerance::Float { relative: 1e-5, absolute: 5e-6, o
 /// towards either normal, it carries a hundred times their rounding.
 const GRAZING: Tolerance = Tolerance::Float { relative: 1e-5, absolute: 5e-6, outliers: 5e-3 };
 
-/// Each probe but traversal's, which is in a module of its own.
+/// Each probe but those of traversal and surfaces, which have modules of their own.
 const PROBES: &[(&str, Tolerance)] = &[
     ("probe_random", Tolerance::Exact),
     ("probe_math", ROUNDING),
@@ -61,7 +63,11 @@ fn probe(device: &dyn Device, name: &str, inputs: &[f32]) -> Results {
 fn every_probe_is_run() {
     for kernel in KERNELS.iter().filter(|kernel| kernel.name.starts_with("probe_")) {
         let listed = PROBES.iter().any(|(name, _)| *name == kernel.name);
-        assert!(listed || kernel.name == "probe_traversal", "{} is run by no test", kernel.name);
+        assert!(
+            listed || ["probe_traversal", "probe_surface"].contains(&kernel.name),
+            "{} is run by no test",
+            kernel.name
+        );
     }
 }
 
