@@ -4,6 +4,9 @@
 //! Everything that correctness depends on is done here: boxes are refitted from the triangles'
 //! own coordinates and padded, coincident triangles are clustered, depth is bounded.
 //!
+//! Geometry that is placed several times is not copied: [`TwoLevel`] has one hierarchy over the
+//! world, whose leaves hold triangles or a placement, and one for each mesh that is placed.
+//!
 //! ```
 //! use glam::Vec3;
 //! use midway_accel::{build, closest_hit, BuildOptions};
@@ -20,6 +23,7 @@ mod pack;
 mod references;
 mod topology;
 mod traverse;
+mod two_level;
 mod validate;
 
 use std::time::{Duration, Instant};
@@ -31,11 +35,14 @@ use references::Normalisation;
 pub use midway_scene::Bounds;
 pub use pack::Child;
 pub use traverse::{Hit, closest_hit};
+pub use two_level::{MESH_OPTIONS, Placement, TwoLevel};
 
 /// Traversal stacks hold this many entries: [`Bvh::max_depth`] is below it.
 pub const STACK_SIZE: usize = 64;
-/// The most references a leaf can hold: its count takes four bits.
-pub const MAX_LEAF_SIZE: usize = 15;
+/// The most references a leaf can hold: its count takes four bits, and [`INSTANCE_COUNT`] is taken.
+pub const MAX_LEAF_SIZE: usize = 14;
+/// In place of a leaf's count: the child is an instance.
+pub const INSTANCE_COUNT: u32 = 15;
 /// The most references a hierarchy can hold: a leaf's first slot takes 27 bits.
 pub const MAX_REFERENCES: usize = 1 << 27;
 /// Set in a child reference that is a leaf.
@@ -82,11 +89,22 @@ pub struct BuildOptions {
     pub quality: Quality,
     /// References a leaf holds at most, clamped to 1..=[`MAX_LEAF_SIZE`].
     pub max_leaf_size: usize,
+    /// Where the optimised topology is deeper, a balanced one takes its place. Clamped to
+    /// [`BALANCED_DEPTH`]..[`STACK_SIZE`].
+    pub max_depth: usize,
 }
+
+/// Deeper no balanced topology is: over [`MAX_REFERENCES`], each alone in its leaf, it has 27 levels.
+pub const BALANCED_DEPTH: usize = 28;
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { spatial_splits: true, quality: Quality::default(), max_leaf_size: 4 }
+        Self {
+            spatial_splits: true,
+            quality: Quality::default(),
+            max_leaf_size: 4,
+            max_depth: STACK_SIZE - 1,
+        }
     }
 }
 
@@ -104,7 +122,7 @@ pub struct Bvh {
     /// | 3 | right box's max | 0 |
     ///
     /// A reference is an inner node's index, or [`LEAF_BIT`]` | first << 4 | count`, `first` an
-    /// index into `primitives`. See [`Child`].
+    /// index into `primitives`, or with [`INSTANCE_COUNT`] that of an instance. See [`Child`].
     ///
     /// An absent child (the root's, where there are fewer than two leaves) is a leaf of count 0
     /// whose box is inverted (+∞ to -∞). A slab test that sorts the two planes takes that box for
@@ -125,6 +143,8 @@ pub struct Bvh {
 pub struct Statistics {
     /// Triangles given.
     pub triangles: usize,
+    /// Instances given.
+    pub instances: usize,
     /// Inner nodes.
     pub inner_nodes: usize,
     /// Leaves that hold something.
@@ -156,18 +176,32 @@ impl Bvh {
 /// [`AccelError::NotFinite`] for NaN or infinite vertices; [`AccelError::TooManyTriangles`] above
 /// [`MAX_REFERENCES`].
 pub fn build(triangles: &[[Vec3; 3]], options: &BuildOptions) -> Result<Bvh, AccelError> {
+    build_with_instances(triangles, &[], options)
+}
+
+/// As [`build`], over instances too, each the only thing in its leaf ([`Child::Instance`]) and never
+/// split. `instances`: around each, finite and not empty.
+///
+/// # Errors
+///
+/// As [`build`].
+pub fn build_with_instances(
+    triangles: &[[Vec3; 3]],
+    instances: &[Bounds],
+    options: &BuildOptions,
+) -> Result<Bvh, AccelError> {
     let start = Instant::now();
     if let Some(triangle) = triangles.iter().position(|t| !t.iter().all(|v| v.is_finite())) {
         return Err(AccelError::NotFinite { triangle });
     }
-    let max_leaf_size = options.max_leaf_size.clamp(1, MAX_LEAF_SIZE);
-    let normalisation = Normalisation::of(triangles);
-    let references = references::collect(triangles, &normalisation, options.spatial_splits);
+    let normalisation = Normalisation::of(triangles, instances);
+    let references = references::collect(triangles, instances, &normalisation, options.spatial_splits);
     if references.len() > MAX_REFERENCES {
         return Err(AccelError::TooManyTriangles { references: references.len() });
     }
-    let tree = topology::build(&references, &normalisation, options.quality, max_leaf_size);
+    let tree = topology::build(&references, triangles.len(), &normalisation, options);
     let mut bvh = pack::pack(&tree, &references, triangles.len());
+    bvh.statistics.instances = instances.len();
     bvh.statistics.build_time = start.elapsed();
     Ok(bvh)
 }

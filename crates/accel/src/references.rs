@@ -1,4 +1,5 @@
-//! References: the boxes a hierarchy is built over, one for each triangle or piece of a triangle.
+//! References: the boxes a hierarchy is built over, one for each triangle, piece of a triangle, or
+//! instance.
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::{Boundable, aabb::Aabb, splits::split_aabbs_preset, triangle::Triangle};
@@ -7,10 +8,11 @@ use midway_scene::Bounds;
 
 use crate::bounds::padded;
 
-/// A triangle, or what of it lies in a box.
+/// A triangle, what of it lies in a box, or an instance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reference {
-    pub triangle: u32,
+    /// Triangles count first, then instances.
+    pub primitive: u32,
     /// Padded: conservative in f32.
     pub bounds: Bounds,
 }
@@ -27,8 +29,9 @@ pub(crate) struct Normalisation {
 const CLIP_ERROR: f64 = 1.0 / (1 << 21) as f64;
 
 impl Normalisation {
-    pub fn of(triangles: &[[Vec3; 3]]) -> Self {
-        let bounds = Bounds::of_points(triangles.as_flattened());
+    pub fn of(triangles: &[[Vec3; 3]], instances: &[Bounds]) -> Self {
+        let bounds =
+            instances.iter().fold(Bounds::of_points(triangles.as_flattened()), |all, &b| all.union(b));
         if bounds.is_empty() {
             return Self { centre: DVec3::ZERO, extent: 1.0 };
         }
@@ -57,19 +60,26 @@ impl Normalisation {
     }
 }
 
-/// One reference a triangle, more for large ones where they are to be split.
+/// One reference a triangle, more for large ones where they are to be split, and one an instance.
 pub(crate) fn collect(
     triangles: &[[Vec3; 3]],
+    instances: &[Bounds],
     normalisation: &Normalisation,
     spatial_splits: bool,
 ) -> Vec<Reference> {
-    if spatial_splits && !triangles.is_empty() {
-        return split(triangles, normalisation);
-    }
-    (0u32..)
-        .zip(triangles)
-        .map(|(triangle, vertices)| Reference { triangle, bounds: padded(Bounds::of_points(vertices)) })
-        .collect()
+    let mut references = if spatial_splits && !triangles.is_empty() {
+        split(triangles, normalisation)
+    } else {
+        (0u32..)
+            .zip(triangles)
+            .map(|(primitive, vertices)| Reference { primitive, bounds: padded(Bounds::of_points(vertices)) })
+            .collect()
+    };
+    let first = triangles.len() as u32;
+    references.extend(
+        (first..).zip(instances).map(|(primitive, &bounds)| Reference { primitive, bounds: padded(bounds) }),
+    );
+    references
 }
 
 fn split(triangles: &[[Vec3; 3]], normalisation: &Normalisation) -> Vec<Reference> {
@@ -103,7 +113,7 @@ fn split(triangles: &[[Vec3; 3]], normalisation: &Normalisation) -> Vec<Referenc
                 1 => whole,
                 _ => normalisation.unclipped(clipped, &whole),
             };
-            Reference { triangle, bounds }
+            Reference { primitive: triangle, bounds }
         })
         // Cutting a box that a thin triangle only touches leaves inverted ones: nothing is there.
         .filter(|r| !r.bounds.is_empty())

@@ -10,7 +10,7 @@ use obvhs::{
 };
 
 use crate::{
-    Quality, STACK_SIZE,
+    BALANCED_DEPTH, BuildOptions, MAX_LEAF_SIZE, Quality, STACK_SIZE,
     references::{Normalisation, Reference},
 };
 
@@ -29,7 +29,34 @@ pub(crate) struct Tree {
     /// None where there are no references.
     pub root: Option<usize>,
     pub balanced_fallback: bool,
+    limits: Limits,
+}
+
+/// What a tree has to keep to.
+#[derive(Clone)]
+struct Limits {
     max_leaf_size: usize,
+    max_depth: usize,
+    /// For each reference whether it may share a leaf; empty where all may.
+    is_alone: Vec<bool>,
+}
+
+impl Limits {
+    fn of(references: &[Reference], n_triangles: usize, options: &BuildOptions) -> Self {
+        let is_instance = |r: &Reference| r.primitive as usize >= n_triangles;
+        // Instances come last.
+        let any = references.last().is_some_and(is_instance);
+        Self {
+            max_leaf_size: options.max_leaf_size.clamp(1, MAX_LEAF_SIZE),
+            max_depth: options.max_depth.clamp(BALANCED_DEPTH, STACK_SIZE - 1),
+            is_alone: if any { references.iter().map(is_instance).collect() } else { Vec::new() },
+        }
+    }
+
+    fn is_leaf(&self, members: &[u32]) -> bool {
+        let is_alone = |&m: &u32| self.is_alone.get(m as usize).is_some_and(|&alone| alone);
+        members.len() == 1 || (members.len() <= self.max_leaf_size && !members.iter().any(is_alone))
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -40,15 +67,16 @@ pub(crate) enum TreeNode {
 
 pub(crate) fn build(
     references: &[Reference],
+    n_triangles: usize,
     normalisation: &Normalisation,
-    quality: Quality,
-    max_leaf_size: usize,
+    options: &BuildOptions,
 ) -> Tree {
     let boxes: Vec<Aabb> = references.iter().map(|r| normalisation.bounds(&r.bounds)).collect();
-    if let Some(tree) = Tree::optimised(&boxes, quality, max_leaf_size) {
+    let limits = Limits::of(references, n_triangles, options);
+    if let Some(tree) = Tree::optimised(&boxes, options.quality, limits.clone()) {
         return tree;
     }
-    let mut tree = Tree::new(max_leaf_size);
+    let mut tree = Tree::new(limits);
     tree.balanced_fallback = true;
     let mut all: Vec<u32> = (0..references.len() as u32).collect();
     tree.root = Some(tree.balanced(&mut all, &boxes));
@@ -56,36 +84,42 @@ pub(crate) fn build(
 }
 
 impl Tree {
-    fn new(max_leaf_size: usize) -> Self {
-        Self { nodes: Vec::new(), order: Vec::new(), root: None, balanced_fallback: false, max_leaf_size }
+    fn new(limits: Limits) -> Self {
+        Self { nodes: Vec::new(), order: Vec::new(), root: None, balanced_fallback: false, limits }
     }
 
     /// By `obvhs`; none where that is too deep for a traversal's stack.
-    fn optimised(boxes: &[Aabb], quality: Quality, max_leaf_size: usize) -> Option<Self> {
-        let mut tree = Self::new(max_leaf_size);
+    fn optimised(boxes: &[Aabb], quality: Quality, limits: Limits) -> Option<Self> {
+        let Limits { max_leaf_size, max_depth, .. } = limits;
+        let mut tree = Self::new(limits);
         if boxes.is_empty() {
             return Some(tree);
         }
         let clusters = Clusters::of(boxes);
-        let bvh = build_obvhs(&clusters.boxes(boxes), quality, max_leaf_size);
-        if depth(bvh.nodes.len(), 0, |i| children(&bvh, i)) >= STACK_SIZE {
+        let bvh = match &clusters {
+            Some(clusters) => build_obvhs(&clusters.boxes(boxes), quality, max_leaf_size),
+            None => build_obvhs(boxes, quality, max_leaf_size),
+        };
+        if depth(bvh.nodes.len(), 0, |i| children(&bvh, i)) > max_depth {
             return None;
         }
-        tree.convert(&bvh, &clusters, boxes);
+        tree.convert(&bvh, clusters.as_ref(), boxes);
         let root = tree.root?;
         let inner_levels = depth(tree.nodes.len(), root, |i| match tree.nodes[i] {
             TreeNode::Inner { left, right } => Some((left, right)),
             TreeNode::Leaf { .. } => None,
         });
-        (inner_levels < STACK_SIZE).then_some(tree)
+        (inner_levels <= max_depth).then_some(tree)
     }
 
-    /// Takes over a topology, with clusters and leaves too large opened into balanced subtrees.
-    fn convert(&mut self, bvh: &Bvh2, clusters: &Clusters, boxes: &[Aabb]) {
+    /// Takes over a topology, with clusters, and leaves that may not be one, opened
+    /// into balanced subtrees.
+    fn convert(&mut self, bvh: &Bvh2, clusters: Option<&Clusters>, boxes: &[Aabb]) {
         // Inner nodes keep their index; leaves become links to what is appended.
         let placeholder = TreeNode::Leaf { first: 0, count: 0 };
         self.nodes = vec![placeholder; bvh.nodes.len()];
         self.order.reserve(boxes.len());
+        let mut members: Vec<u32> = Vec::new();
         for (i, node) in bvh.nodes.iter().enumerate() {
             if let Some((left, right)) = children(bvh, i) {
                 self.nodes[i] = TreeNode::Inner { left, right };
@@ -93,8 +127,12 @@ impl Tree {
             }
             let first = node.first_index as usize;
             let slots = first..first + node.prim_count as usize;
-            let mut members: Vec<u32> =
-                bvh.primitive_indices[slots].iter().flat_map(|&c| clusters.members(c)).copied().collect();
+            let slots = &bvh.primitive_indices[slots];
+            members.clear();
+            match clusters {
+                Some(clusters) => members.extend(slots.iter().flat_map(|&c| clusters.members(c))),
+                None => members.extend(slots),
+            }
             let subtree = self.balanced(&mut members, boxes);
             self.nodes[i] = self.nodes[subtree];
         }
@@ -103,7 +141,7 @@ impl Tree {
 
     /// Appends a tree of least depth, halved at the median of its widest axis; returns its root.
     fn balanced(&mut self, members: &mut [u32], boxes: &[Aabb]) -> usize {
-        if members.len() <= self.max_leaf_size {
+        if self.limits.is_leaf(members) {
             let first = self.order.len();
             self.order.extend_from_slice(members);
             self.nodes.push(TreeNode::Leaf { first, count: members.len() });
@@ -165,6 +203,27 @@ fn build_obvhs(boxes: &[Aabb], quality: Quality, max_leaf_size: usize) -> Bvh2 {
     bvh
 }
 
+/// A centre as what it is told apart by; adding zero takes -0 to +0.
+fn centre_bits(b: &Aabb) -> [u32; 3] {
+    (b.center() + 0.0).to_array().map(f32::to_bits)
+}
+
+/// All boxes whose centre many may have, and some more: those of full buckets, by a hash of the
+/// centre. In most scenes there are none, which is found out in one pass.
+fn crowded(boxes: &[Aabb]) -> Vec<usize> {
+    let n_buckets = boxes.len().next_power_of_two();
+    let bucket = |b: &Aabb| {
+        let [x, y, z] = centre_bits(b).map(u64::from);
+        // Odd multipliers from the digits of the golden ratio; the high bits are mixed best.
+        let mixed = (x ^ y.rotate_left(21) ^ z.rotate_left(42)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mixed = (mixed ^ (mixed >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (mixed >> 32) as usize & (n_buckets - 1)
+    };
+    let mut counts = vec![0u32; n_buckets];
+    boxes.iter().for_each(|b| counts[bucket(b)] += 1);
+    (0..boxes.len()).filter(|&i| counts[bucket(&boxes[i])] >= MIN_CLUSTER_SIZE).collect()
+}
+
 /// Many references with exactly the same centre, taken as one: PLOC pairs a run of equal costs one
 /// merge a pass, which makes ten thousand copies of a triangle quadratic in time and as deep as
 /// they are many. Few are left apart, since PLOC places them better.
@@ -174,26 +233,27 @@ struct Clusters {
 }
 
 impl Clusters {
-    fn of(boxes: &[Aabb]) -> Self {
-        // Adding zero takes -0 to +0.
-        let key = |b: &Aabb| (b.center() + 0.0).to_array().map(f32::to_bits);
-        let mut counts: HashMap<[u32; 3], u32> = HashMap::with_capacity(boxes.len());
-        for b in boxes {
-            *counts.entry(key(b)).or_default() += 1;
+    /// None where there is nothing to cluster.
+    fn of(boxes: &[Aabb]) -> Option<Self> {
+        let crowded = crowded(boxes);
+        let mut counts: HashMap<[u32; 3], u32> = HashMap::new();
+        for &i in &crowded {
+            *counts.entry(centre_bits(&boxes[i])).or_default() += 1;
+        }
+        counts.retain(|_, count| *count >= MIN_CLUSTER_SIZE);
+        if counts.is_empty() {
+            return None;
         }
         let mut ids: HashMap<[u32; 3], usize> = HashMap::new();
         let mut n_clusters = 0;
         let mut lists: Vec<usize> = Vec::with_capacity(boxes.len());
         for b in boxes {
-            let next = n_clusters;
-            let id = match counts[&key(b)] {
-                MIN_CLUSTER_SIZE.. => *ids.entry(key(b)).or_insert(next),
-                _ => next,
-            };
+            let (key, next) = (centre_bits(b), n_clusters);
+            let id = if counts.contains_key(&key) { *ids.entry(key).or_insert(next) } else { next };
             n_clusters += usize::from(id == next);
             lists.push(id);
         }
-        Self::from_lists(&lists, n_clusters)
+        Some(Self::from_lists(&lists, n_clusters))
     }
 
     /// From the cluster of each reference.

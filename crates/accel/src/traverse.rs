@@ -10,7 +10,9 @@ use crate::{Bounds, Bvh, Child, STACK_SIZE};
 pub struct Hit {
     /// Distance in units of the direction's length.
     pub t: f32,
-    /// Index into the triangles given to the build.
+    /// The placement that the triangle belongs to; none for the world's own.
+    pub placement: Option<u32>,
+    /// Index into the triangles given to the build, of the placed mesh or of the world.
     pub triangle: u32,
     /// Barycentric coordinate of the second vertex.
     pub u: f32,
@@ -25,25 +27,37 @@ const SMALLEST_COMPONENT: f32 = 1e-30;
 
 /// The closest hit with 0 < t < `t_max`, both faces counting; none where there is none, or where
 /// the ray is not finite. Of hits at the same distance the lowest triangle index. `triangles` are
-/// those that the hierarchy was built over.
+/// those that the hierarchy was built over, without instances.
 ///
 /// # Panics
 ///
 /// Where `triangles` are fewer than that.
 pub fn closest_hit(bvh: &Bvh, triangles: &[[Vec3; 3]], origin: Vec3, dir: Vec3, t_max: f32) -> Option<Hit> {
+    traverse(bvh, |t| triangles[t as usize], |_, _| None, origin, dir, t_max)
+}
+
+/// As [`closest_hit`]; `instance` gives the closest hit on an instance nearer than a distance.
+pub(crate) fn traverse(
+    bvh: &Bvh,
+    triangle: impl Fn(u32) -> [Vec3; 3],
+    instance: impl Fn(u32, f32) -> Option<Hit>,
+    origin: Vec3,
+    dir: Vec3,
+    t_max: f32,
+) -> Option<Hit> {
     if !origin.is_finite() || !dir.is_finite() {
         return None;
     }
     let inv_dir =
         dir.map(|c| if c.abs() < SMALLEST_COMPONENT { SMALLEST_COMPONENT.copysign(c) } else { c }).recip();
-    let mut closest = None;
-    let mut limit = t_max;
+    let mut closest: Option<Hit> = None;
     let mut stack = [0u32; STACK_SIZE];
     let mut height = 1;
     while height > 0 {
         height -= 1;
         let node = stack[height];
         for (bounds, child) in bvh.children(node) {
+            let limit = closest.map_or(t_max, |h| h.t);
             if !meets(&bounds, origin, inv_dir, limit) {
                 continue;
             }
@@ -54,13 +68,12 @@ pub fn closest_hit(bvh: &Bvh, triangles: &[[Vec3; 3]], origin: Vec3, dir: Vec3, 
                     height += 1;
                 }
                 Child::Leaf { first, count } => {
-                    for &triangle in &bvh.primitives[first as usize..(first + count) as usize] {
-                        let vertices = &triangles[triangle as usize];
-                        let hit = intersect(vertices, origin, dir, triangle);
+                    for &index in &bvh.primitives[first as usize..(first + count) as usize] {
+                        let hit = intersect(&triangle(index), origin, dir, index);
                         closest = nearer(closest, hit, t_max);
-                        limit = closest.map_or(t_max, |h| h.t);
                     }
                 }
+                Child::Instance(index) => closest = nearer(closest, instance(index, limit.next_up()), t_max),
             }
         }
     }
@@ -68,9 +81,10 @@ pub fn closest_hit(bvh: &Bvh, triangles: &[[Vec3; 3]], origin: Vec3, dir: Vec3, 
 }
 
 fn nearer(old: Option<Hit>, new: Option<Hit>, t_max: f32) -> Option<Hit> {
+    let order = |h: &Hit| (h.t, h.placement, h.triangle);
     match (old, new) {
         (_, Some(n)) if n.t >= t_max => old,
-        (Some(o), Some(n)) if (o.t, o.triangle) <= (n.t, n.triangle) => Some(o),
+        (Some(o), Some(n)) if order(&o) <= order(&n) => Some(o),
         (old, new) => new.or(old),
     }
 }
@@ -99,5 +113,5 @@ fn intersect(vertices: &[Vec3; 3], origin: Vec3, dir: Vec3, triangle: u32) -> Op
     let v = d.dot(q) / det;
     let t = (e2.dot(q) / det) as f32;
     let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t.is_finite();
-    inside.then_some(Hit { t, triangle, u: u as f32, v: v as f32 })
+    inside.then_some(Hit { t, placement: None, triangle, u: u as f32, v: v as f32 })
 }

@@ -148,7 +148,14 @@ mod tests {
     #[test]
     fn equal_images_have_no_error() {
         let errors = compare(&picture(), &picture()).unwrap();
-        let zero = Comparison { mae: 0.0, rmse: 0.0, relmse: 0.0, flip: 0.0, mean_ratio: [1.0; 3], block_ratio: [1.0; 3] };
+        let zero = Comparison {
+            mae: 0.0,
+            rmse: 0.0,
+            relmse: 0.0,
+            flip: 0.0,
+            mean_ratio: [1.0; 3],
+            block_ratio: [1.0; 3],
+        };
         assert_eq!(errors, zero);
         assert!(passes(&picture(), &picture()));
     }

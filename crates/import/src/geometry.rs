@@ -2,8 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
-/// The most triangles a world may have: what an acceleration structure can address.
-pub(crate) const MAX_TRIANGLES: u64 = 1 << 27;
+/// The most triangles a world may have, each instance counted: their ids are 32 bits. How many may
+/// be stored the acceleration structure says, and what the files hold.
+pub(crate) const MAX_TRIANGLES: u64 = u32::MAX as u64 - 1;
 /// The most placements of meshes.
 pub(crate) const MAX_INSTANCES: u64 = 1 << 22;
 

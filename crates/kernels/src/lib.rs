@@ -35,6 +35,11 @@ pub mod native {
         include!(concat!(env!("OUT_DIR"), "/lib.rs"));
     }
 
+    /// Two halves (IEEE binary16) as `unpack2x16float` reads them, the first in the low bits.
+    pub fn pack_halves(low: f32, high: f32) -> u32 {
+        wgsl_cpu::runtime::pack2x16float(wgsl_cpu::runtime::Vec2::new(low, high))
+    }
+
     /// Four uniform numbers in [0, 1) for a counter: what kernels draw.
     pub fn random4(index: u32, sample: u32, dimension: u32, seed: u32) -> [f32; 4] {
         let u = lib::unit_float(lib::draw_bits(index, sample, dimension, seed));

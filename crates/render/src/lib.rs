@@ -23,6 +23,7 @@ mod pool;
 mod renderer;
 mod settings;
 mod sizes;
+mod world;
 
 pub use error::RenderError;
 pub use pack::PackedScene;

@@ -34,10 +34,9 @@ pub struct AliasEntry {
 }
 
 impl Lights {
-    /// Collects the emissive triangles.
-    pub fn collect<'a>(triangles: impl Iterator<Item = &'a WorldTriangle>, materials: &[Material]) -> Lights {
-        let lights: Vec<AreaLight> = (0u32..)
-            .zip(triangles)
+    /// Collects the emissive triangles, each given with its index.
+    pub fn collect(triangles: impl Iterator<Item = (u32, WorldTriangle)>, materials: &[Material]) -> Lights {
+        let lights: Vec<AreaLight> = triangles
             .filter_map(|(index, triangle)| {
                 let material = &materials[triangle.material as usize];
                 let e = material.emission.value.as_dvec3();

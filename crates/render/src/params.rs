@@ -45,11 +45,14 @@ pub fn base_params(
         only_t: settings.one_strategy.map_or(0, |one| one.t),
         lights_at: packed.lights_at,
         surfaces_at: packed.surfaces_at,
+        instances_at: packed.instances_at,
         random_at: packed.random_at,
         textures_at: packed.textures_at,
         srgb_at: packed.srgb_at,
         slots_at: packed.slots_at,
         n_lights: packed.n_lights,
+        n_baked: packed.n_baked,
+        n_instances: packed.n_instances,
         n_random: packed.n_random,
         ..bytemuck::Zeroable::zeroed()
     }

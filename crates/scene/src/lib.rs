@@ -17,7 +17,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 
 pub use bounds::Bounds;
 pub use error::SceneError;
-pub use flatten::WorldTriangle;
+pub use flatten::{PlacedMesh, WorldTriangle};
 pub use light::{Environment, Light, LightKind, SpotFalloff};
 pub use material::{
     ConductorFresnel, Material, MetallicRoughness, NormalMap, Opacity, Roughness, Sides, Surface,

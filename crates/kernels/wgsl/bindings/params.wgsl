@@ -56,6 +56,7 @@ struct Params {
     /// Places in the buffer `scene`, in vec4.
     lights_at: u32,
     surfaces_at: u32,
+    instances_at: u32,
     random_at: u32,
     textures_at: u32,
     /// The table of the sRGB curve.
@@ -63,6 +64,9 @@ struct Params {
     /// Materials' records of textures.
     slots_at: u32,
     n_lights: u32,
+    /// Triangles stored as they are in the world: ids below it. NONE where all are.
+    n_baked: u32,
+    n_instances: u32,
     /// Entries of the table of pre-generated numbers, 0 for none.
     n_random: u32,
     /// Slots of light_vertices before those that are appended to, and how many may be appended.

@@ -1,10 +1,11 @@
-// The packed scene: materials, lights, triangles' surfaces, pre-generated numbers, and what textures are
-// looked up by, all as vec4 in one buffer (a stage has 8).
+// The packed scene: materials, lights, triangles' surfaces with their attributes, instances, pre-generated
+// numbers, and what textures are looked up by, all as vec4 in one buffer (a stage has 8).
+
+#include "bindings/surfaces.wgsl"
 
 /// vec4 per entry.
 const MATERIAL_STRIDE: u32 = 3u;
 const LIGHT_STRIDE: u32 = 2u;
-const SURFACE_STRIDE: u32 = 6u;
 
 @group(0) @binding(1) var<storage, read> scene: array<vec4<f32>>;
 
@@ -21,30 +22,6 @@ struct Light {
     medium: u32,
 }
 
-/// A triangle's data for shading.
-struct Triangle {
-    v0: vec3<f32>,
-    e1: vec3<f32>,
-    e2: vec3<f32>,
-    material: u32,
-    /// Its place among the lights, or NONE.
-    light: u32,
-    n0: vec3<f32>,
-    n1: vec3<f32>,
-    n2: vec3<f32>,
-}
-
-/// A point on a surface.
-struct Surface {
-    position: vec3<f32>,
-    /// Geometric normal, front side.
-    ng: vec3<f32>,
-    /// Shading normal, in ng's hemisphere.
-    ns: vec3<f32>,
-    material: u32,
-    light: u32,
-}
-
 fn load_material(index: u32) -> Material {
     let at = index * MATERIAL_STRIDE;
     let a = scene[at];
@@ -58,30 +35,6 @@ fn load_light(index: u32) -> Light {
     let a = scene[at];
     let b = scene[at + 1u];
     return Light(bitcast<u32>(a.x), a.y, a.z, bitcast<u32>(a.w), b.x, bitcast<u32>(b.y));
-}
-
-fn load_triangle(index: u32) -> Triangle {
-    let at = params.surfaces_at + index * SURFACE_STRIDE;
-    let a = scene[at];
-    let b = scene[at + 1u];
-    let c = scene[at + 2u];
-    return Triangle(a.xyz, b.xyz, c.xyz, bitcast<u32>(a.w), bitcast<u32>(b.w),
-        scene[at + 3u].xyz, scene[at + 4u].xyz, scene[at + 5u].xyz);
-}
-
-fn triangle_normal(triangle: Triangle) -> vec3<f32> {
-    return normalize(cross(triangle.e1, triangle.e2)); // not zero: degenerate triangles are not hit
-}
-
-fn load_surface(index: u32, u: f32, v: f32) -> Surface {
-    let triangle = load_triangle(index);
-    let ng = triangle_normal(triangle);
-    let blend = (1.0 - u - v) * triangle.n0 + u * triangle.n1 + v * triangle.n2;
-    let size2 = dot(blend, blend);
-    let unit = blend * inverseSqrt(max(size2, 1e-30));
-    let facing = select(-unit, unit, dot(unit, ng) >= 0.0);
-    let ns = select(ng, facing, size2 > 1e-12);
-    return Surface(triangle.v0 + u * triangle.e1 + v * triangle.e2, ng, ns, triangle.material, triangle.light);
 }
 
 /// 32 random bits four times for a draw of a path: by hash, or from the table, whose numbers have 24.

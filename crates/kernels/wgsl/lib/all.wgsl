@@ -9,3 +9,4 @@
 #include "lib/mis.wgsl"
 #include "lib/fixed_point.wgsl"
 #include "lib/intersect.wgsl"
+#include "lib/surface.wgsl"

@@ -1,40 +1,161 @@
 //! Triangles as traversal and as shading read them.
 
-use glam::Vec3;
-use midway_accel::Bvh;
+use glam::{Vec2, Vec3, Vec4};
+use midway_accel::TwoLevel;
 use midway_kernels::constants as k;
-use midway_scene::WorldTriangle;
+use midway_scene::{Mesh, PlacedMesh, WorldTriangle};
 
-use super::{Word4, word4};
-use crate::lights::Lights;
+use super::{Word4, normals::oct_encode, word4};
+use crate::{lights::Lights, world::World};
 
-/// The slots of the hierarchy's leaves.
-pub(super) fn pack_triangles(bvh: &Bvh, positions: &[[Vec3; 3]]) -> Vec<Word4> {
-    let mut words = Vec::with_capacity(bvh.primitives.len() * k::TRIANGLE_STRIDE as usize);
-    for &primitive in &bvh.primitives {
-        let [a, b, c] = positions[primitive as usize];
+/// A corner of a triangle may differ from its geometric normal by this much, squared, and the
+/// triangle still be stored as flat: half of what packing a normal may change.
+const FLAT_TOLERANCE: f32 = 1e-10;
+/// The largest half.
+const LARGEST_HALF: f32 = 65504.0;
+
+/// The slots of the hierarchies' leaves.
+pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions: &[[Vec3; 3]]) -> Vec<Word4> {
+    let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives.len()).sum();
+    let mut words = Vec::with_capacity(n_slots * k::TRIANGLE_STRIDE as usize);
+    let mut slot = |[a, b, c]: [Vec3; 3], primitive: u32| {
         words.extend([word4(a, primitive), word4(b - a, 0), word4(c - a, 0)]);
+    };
+    for &primitive in &two_level.world.primitives {
+        slot(positions[primitive as usize], primitive);
+    }
+    for (bvh, &mesh) in two_level.meshes.iter().zip(&world.meshes) {
+        let alone = world.scene().mesh_alone(mesh);
+        bvh.primitives.iter().for_each(|&primitive| slot(alone.positions(primitive), primitive));
     }
     words
 }
 
-/// What shading needs of each triangle.
-pub(super) fn pack_surfaces(world: &[WorldTriangle], lights: &Lights, words: &mut Vec<Word4>) {
-    let mut light_of = vec![k::NONE; world.len()];
+/// Where things are among the words of `scene`.
+pub(super) struct SurfacesAt {
+    pub surfaces: u32,
+    pub instances: u32,
+}
+
+/// What shading needs of each triangle: surfaces, their attributes, instances.
+pub(super) fn pack_surfaces(world: &World<'_>, lights: &Lights, words: &mut Vec<Word4>) -> SurfacesAt {
+    let n_placed: usize = meshes(world).map(|mesh| mesh.n_triangles() as usize).sum();
+    let n_surfaces = world.n_baked as usize + n_placed;
+    let surfaces = words.len();
+    words.reserve(n_surfaces * k::SURFACE_STRIDE as usize);
+    let mut packer =
+        Packer { attributes_at: surfaces + n_surfaces * k::SURFACE_STRIDE as usize, attributes: Vec::new() };
+    world.baked().chain(meshes(world)).for_each(|mesh| packer.mesh(&mesh, words));
     for (index, light) in (0u32..).zip(&lights.lights) {
-        light_of[light.triangle as usize] = index;
+        words[surfaces + light.triangle as usize * k::SURFACE_STRIDE as usize + 1][3] = index;
     }
-    for (triangle, light) in world.iter().zip(light_of) {
-        let [a, b, c] = triangle.positions;
-        // Zero normals mean: shade with the geometric normal.
-        let [n0, n1, n2] = triangle.normals.unwrap_or([Vec3::ZERO; 3]);
-        words.extend([
-            word4(a, triangle.material),
-            word4(b - a, light),
-            word4(c - a, 0),
-            word4(n0, 0),
-            word4(n1, 0),
-            word4(n2, 0),
-        ]);
+    words.append(&mut packer.attributes);
+    let instances = words.len();
+    pack_instances(world, words);
+    SurfacesAt { surfaces: surfaces as u32, instances: instances as u32 }
+}
+
+fn meshes<'a>(world: &World<'a>) -> impl Iterator<Item = PlacedMesh<'a>> {
+    let scene = world.scene();
+    world.meshes.clone().into_iter().map(move |mesh| scene.mesh_alone(mesh))
+}
+
+struct Packer {
+    attributes_at: usize,
+    attributes: Vec<Word4>,
+}
+
+impl Packer {
+    fn mesh(&mut self, placed: &PlacedMesh<'_>, words: &mut Vec<Word4>) {
+        let kinds = attribute_kinds(placed.mesh());
+        for index in 0..placed.n_triangles() {
+            let triangle = placed.triangle(index);
+            let attributes_at =
+                kinds.map_or(k::NONE, |_| (self.attributes_at + self.attributes.len()) as u32);
+            words.extend(pack_surface(&triangle, attributes_at));
+            if let Some(kinds) = kinds {
+                pack_attributes(&triangle, kinds, &mut self.attributes);
+            }
+        }
+    }
+}
+
+/// A surface without its light.
+fn pack_surface(triangle: &WorldTriangle, attributes_at: u32) -> [Word4; k::SURFACE_STRIDE as usize] {
+    let [a, b, c] = triangle.positions;
+    let [n0, n1, n2] =
+        smooth_normals(triangle).map_or([k::FLAT_NORMAL; 3], |normals| normals.map(oct_encode));
+    [word4(a, triangle.material), word4(b - a, k::NONE), word4(c - a, 0), [n0, n1, n2, attributes_at]]
+}
+
+/// The normals at the vertices, where they are not all the triangle's own.
+fn smooth_normals(triangle: &WorldTriangle) -> Option<[Vec3; 3]> {
+    let normals = triangle.normals?;
+    let is_flat = triangle
+        .geometric_normal()
+        .is_some_and(|flat| normals.iter().all(|normal| normal.distance_squared(flat) <= FLAT_TOLERANCE));
+    (!is_flat).then_some(normals)
+}
+
+/// What a mesh has beside texture coordinates of set 0; none where it has not even these.
+fn attribute_kinds(mesh: &Mesh) -> Option<u32> {
+    let kinds = [
+        (!mesh.uvs[1].is_empty(), k::ATTRIBUTE_UV1),
+        (!mesh.colors.is_empty(), k::ATTRIBUTE_COLORS),
+        (!mesh.tangents.is_empty(), k::ATTRIBUTE_TANGENTS),
+    ];
+    let kinds =
+        kinds.into_iter().filter_map(|(has, kind)| has.then_some(kind)).fold(0, |all, kind| all | kind);
+    (kinds != 0 || !mesh.uvs[0].is_empty()).then_some(kinds)
+}
+
+fn pack_attributes(triangle: &WorldTriangle, kinds: u32, words: &mut Vec<Word4>) {
+    let [first, second] = triangle.uvs;
+    words.extend(pack_uvs(first, kinds));
+    if kinds & k::ATTRIBUTE_UV1 != 0 {
+        words.extend(pack_uvs(second, 0));
+    }
+    if kinds & k::ATTRIBUTE_COLORS != 0 {
+        let [[a, b], [c, d], [e, f]] = triangle.colors.unwrap_or([Vec4::ONE; 3]).map(pack_color);
+        words.extend([[a, b, c, d], [e, f, 0, 0]]);
+    }
+    if kinds & k::ATTRIBUTE_TANGENTS != 0 {
+        let tangents = triangle.tangents.unwrap_or([Vec4::X; 3]);
+        let [a, b, c] = tangents.map(|t| oct_encode(t.truncate().normalize_or(Vec3::X)));
+        // A triangle whose corners disagree is cut by a seam: no sign is right for all of it.
+        words.push([a, b, c, tangents[0].w.signum().to_bits()]);
+    }
+}
+
+fn pack_uvs([a, b, c]: [Vec2; 3], kinds: u32) -> [Word4; 2] {
+    let [a, b, c] = [a, b, c].map(|uv| uv.to_array().map(f32::to_bits));
+    [[a[0], a[1], b[0], b[1]], [c[0], c[1], kinds, 0]]
+}
+
+/// In halves: 11 bits, more than the 8 that files have as a rule.
+fn pack_color(color: Vec4) -> [u32; 2] {
+    let c = color.clamp(Vec4::splat(-LARGEST_HALF), Vec4::splat(LARGEST_HALF));
+    [midway_kernels::native::pack_halves(c.x, c.y), midway_kernels::native::pack_halves(c.z, c.w)]
+}
+
+fn pack_instances(world: &World<'_>, words: &mut Vec<Word4>) {
+    // For each placed mesh the place of its first surface.
+    let firsts: Vec<u32> = meshes(world)
+        .scan(world.n_baked, |next, mesh| Some(std::mem::replace(next, *next + mesh.n_triangles())))
+        .collect();
+    for part in world.placed() {
+        let placed = world.scene().placed(part.instance);
+        let mesh = world.scene().instances[part.instance as usize].mesh;
+        let first_surface = firsts[world.meshes.partition_point(|&m| m < mesh)];
+        let world_from_mesh = placed.world_from_mesh();
+        let rows = world_from_mesh.matrix3.transpose();
+        let largest = rows.to_cols_array().into_iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+        let front = if placed.is_mirrored() { -1.0f32 } else { 1.0 };
+        let size = (1.0 / largest) as f32;
+        words.push([part.first_id, first_surface, front.to_bits(), size.to_bits()]);
+        let translation = world_from_mesh.translation.as_vec3();
+        for (row, moved) in [rows.x_axis, rows.y_axis, rows.z_axis].into_iter().zip(translation.to_array()) {
+            words.push(word4(row.as_vec3(), moved.to_bits()));
+        }
     }
 }

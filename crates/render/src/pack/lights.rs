@@ -1,20 +1,19 @@
 //! Lights as records of vec4.
 
 use midway_kernels::constants as k;
-use midway_scene::WorldTriangle;
 
 use super::{Word4, medium_or_none};
-use crate::{lights::Lights, medium::MediumFinder};
+use crate::{lights::Lights, medium::MediumFinder, world::World};
 
 /// All lights, with the table that draws them.
 pub(super) fn pack_lights(
     lights: &Lights,
-    world: &[WorldTriangle],
+    world: &World<'_>,
     media: &MediumFinder<'_>,
     words: &mut Vec<Word4>,
 ) {
     for (light, entry) in lights.lights.iter().zip(&lights.table) {
-        let triangle = &world[light.triangle as usize];
+        let triangle = world.triangle(light.triangle);
         let medium = triangle.geometric_normal().map_or(k::NONE, |normal| {
             let [a, b, c] = triangle.positions;
             let centre = (a + b + c) / 3.0;

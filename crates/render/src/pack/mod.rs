@@ -3,13 +3,13 @@
 mod geometry;
 mod lights;
 mod materials;
+mod normals;
 mod slots;
 mod textures;
 
 use glam::Vec3;
-use midway_accel::{BuildOptions, build};
 use midway_kernels::constants as k;
-use midway_scene::{Camera, Scene, WorldTriangle};
+use midway_scene::{Camera, Scene};
 
 use self::{
     geometry::{pack_surfaces, pack_triangles},
@@ -18,7 +18,7 @@ use self::{
     slots::pack_slots,
     textures::{PackedImages, TextureTable, srgb_table},
 };
-use crate::{RenderError, lights::Lights, medium::MediumFinder};
+use crate::{RenderError, lights::Lights, medium::MediumFinder, world::World};
 
 /// A vec4 as bits, so that no float move touches an integer.
 type Word4 = [u32; 4];
@@ -26,20 +26,26 @@ type Word4 = [u32; 4];
 /// Everything about a scene that kernels read, ready to be copied to a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedScene {
-    /// Nodes of the hierarchy (`nodes` in WGSL).
+    /// Nodes of the hierarchies, and placements (`nodes` in WGSL).
     pub nodes: Vec<Word4>,
     /// Leaf slots (`triangles` in WGSL).
     pub triangles: Vec<Word4>,
-    /// Materials, lights, surfaces, random numbers (`scene` in WGSL).
+    /// Materials, lights, surfaces, instances, random numbers (`scene` in WGSL).
     pub scene: Vec<Word4>,
     /// Where lights start in `scene`, in vec4.
     pub lights_at: u32,
     /// Where surfaces start.
     pub surfaces_at: u32,
+    /// Where instances start.
+    pub instances_at: u32,
     /// Where pre-generated random numbers start.
     pub random_at: u32,
     /// How many lights there are.
     pub n_lights: u32,
+    /// Triangles stored as they are in the world, or the kernels' NONE where all are.
+    pub n_baked: u32,
+    /// Instances that share their mesh's geometry.
+    pub n_instances: u32,
     /// How many pre-generated numbers there are.
     pub n_random: u32,
     /// The images, for the texel store (`texels` in WGSL).
@@ -61,12 +67,11 @@ impl PackedScene {
     /// If the scene is invalid or no hierarchy can be built over it.
     pub fn new(scene: &Scene, camera: &Camera, rng_table: Option<u32>) -> Result<Self, RenderError> {
         scene.validate()?;
-        let world: Vec<WorldTriangle> = scene.world_triangles().collect();
-        let positions: Vec<[Vec3; 3]> = world.iter().map(|t| t.positions).collect();
-        let bvh = build(&positions, &BuildOptions::default())?;
-        let lights = Lights::collect(world.iter(), &scene.materials);
-        let media =
-            MediumFinder { bvh: &bvh, positions: &positions, triangles: &world, materials: &scene.materials };
+        let world = World::new(scene)?;
+        let positions = world.baked_positions();
+        let two_level = world.build(&positions)?;
+        let lights = Lights::collect(world.emissive(), &scene.materials);
+        let media = MediumFinder { two_level: &two_level, positions: &positions, world: &world };
         let images = PackedImages::new(&scene.images)?;
         let mut textures = TextureTable::default();
         let mut words = Vec::new();
@@ -78,8 +83,7 @@ impl PackedScene {
         }
         let lights_at = words.len() as u32;
         pack_lights(&lights, &world, &media, &mut words);
-        let surfaces_at = words.len() as u32;
-        pack_surfaces(&world, &lights, &mut words);
+        let at = pack_surfaces(&world, &lights, &mut words);
         let random_at = words.len() as u32;
         words.extend((0..rng_table.unwrap_or(0)).map(pregenerated_numbers));
         let slots_at = words.len() as u32;
@@ -93,14 +97,18 @@ impl PackedScene {
             camera.position(),
             camera.world_from_camera.transform_vector3(Vec3::NEG_Z),
         );
+        let first_ids: Vec<u32> = world.placed().iter().map(|part| part.first_id).collect();
         Ok(Self {
-            triangles: pack_triangles(&bvh, &positions),
-            nodes: bvh.nodes,
+            triangles: pack_triangles(&two_level, &world, &positions),
+            nodes: two_level.nodes(&first_ids),
             scene: words,
             lights_at,
-            surfaces_at,
+            surfaces_at: at.surfaces,
+            instances_at: at.instances,
             random_at,
             n_lights: lights.lights.len() as u32,
+            n_baked: if world.placed().is_empty() { k::NONE } else { world.n_baked },
+            n_instances: world.placed().len() as u32,
             n_random: rng_table.unwrap_or(0),
             images,
             textures_at,

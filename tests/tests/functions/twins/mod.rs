@@ -2,6 +2,8 @@
 
 mod compare;
 pub mod device;
+mod instances;
+mod surfaces;
 mod traversal;
 
 use bytemuck::cast_slice;
@@ -30,7 +32,7 @@ const BRANCHES: Tolerance = Tolerance::Float { relative: 1e-5, absolute: 5e-6, o
 /// towards either normal, it carries a hundred times their rounding.
 const GRAZING: Tolerance = Tolerance::Float { relative: 1e-5, absolute: 5e-6, outliers: 5e-3 };
 
-/// Each probe but traversal's, which is in a module of its own.
+/// Each probe but those of traversal and surfaces, which have modules of their own.
 const PROBES: &[(&str, Tolerance)] = &[
     ("probe_random", Tolerance::Exact),
     ("probe_math", ROUNDING),
@@ -63,7 +65,7 @@ fn every_probe_is_run() {
         let listed = PROBES.iter().any(|(name, _)| *name == kernel.name);
         // Those have tests of their own.
         assert!(
-            listed || matches!(kernel.name, "probe_traversal" | "probe_texture"),
+            listed || ["probe_traversal", "probe_surface", "probe_texture"].contains(&kernel.name),
             "{} is run by no test",
             kernel.name
         );

@@ -10,7 +10,7 @@ use midway_tests::estimate::{cpu, gpu};
 use super::{STRIDE, device};
 use crate::support::{Random, double, single};
 
-type Triangle = [Vec3; 3];
+pub type Triangle = [Vec3; 3];
 
 /// Closer to an edge than this in barycentrics, or to a segment's end relatively, f32 may decide
 /// either way.
@@ -19,7 +19,7 @@ const EDGE: f64 = 1e-5;
 const T_TOLERANCE: f64 = 1e-4;
 
 #[derive(Clone, Copy, Debug)]
-struct Ray {
+pub struct Ray {
     origin: Vec3,
     direction: Vec3,
     /// Of the shadow segment, in directions.
@@ -70,16 +70,17 @@ fn try_all(triangles: &[Triangle], ray: &Ray) -> Option<Answer> {
     (!is_tie).then(|| Answer { hit: hits.first().copied(), is_blocked })
 }
 
-fn trace(device: &dyn Device, bvh: &Bvh, triangles: &[Triangle], rays: &[Ray]) -> Vec<Answer> {
-    let mut slots: Vec<[u32; 4]> = bvh
-        .primitives
-        .iter()
-        .flat_map(|&index| {
-            let [a, b, c] = triangles[index as usize];
-            let word4 = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
-            [word4(a, index), word4(b - a, 0), word4(c - a, 0)]
-        })
-        .collect();
+/// The slots of a hierarchy's leaves, as kernels read them.
+pub fn slots(bvh: &Bvh, triangles: &[Triangle]) -> Vec<[u32; 4]> {
+    let slot = |&index: &u32| {
+        let [a, b, c] = triangles[index as usize];
+        let word4 = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
+        [word4(a, index), word4(b - a, 0), word4(c - a, 0)]
+    };
+    bvh.primitives.iter().flat_map(slot).collect()
+}
+
+fn trace(device: &dyn Device, nodes: &[[u32; 4]], mut slots: Vec<[u32; 4]>, rays: &[Ray]) -> Vec<Answer> {
     slots.resize(slots.len().max(k::TRIANGLE_STRIDE as usize), [0; 4]);
     let inputs: Vec<[f32; 4]> = rays
         .iter()
@@ -96,7 +97,7 @@ fn trace(device: &dyn Device, bvh: &Bvh, triangles: &[Triangle], rays: &[Ray]) -
     let buffers: [(&str, &[u8]); 4] = [
         ("probe_in", cast_slice(&inputs)),
         ("probe_out", cast_slice(&zeros)),
-        ("nodes", cast_slice(&bvh.nodes)),
+        ("nodes", cast_slice(nodes)),
         ("triangles", cast_slice(&slots)),
     ];
     let outputs = device::run(device, "probe_traversal", &buffers, rays.len() as u32);
@@ -122,7 +123,7 @@ fn difference(actual: &Answer, expected: &Answer) -> Option<String> {
 
 /// A bumpy ball of some thousands of triangles in a box of large ones, with slivers and coincident
 /// triangles' neighbours: all that a hierarchy finds hard.
-fn mesh() -> Vec<Triangle> {
+pub fn mesh() -> Vec<Triangle> {
     const ROWS: usize = 40;
     let mut random = Random::new(90);
     let radii: Vec<f64> = (0..=ROWS * 2 * ROWS).map(|_| random.between(0.9, 1.1)).collect();
@@ -159,7 +160,7 @@ fn mesh() -> Vec<Triangle> {
 }
 
 /// Incoherent rays: from anywhere anywhere, along axes, and off surfaces.
-fn rays(triangles: &[Triangle], n: usize) -> Vec<Ray> {
+pub fn rays(triangles: &[Triangle], n: usize) -> Vec<Ray> {
     let mut random = Random::new(91);
     let ray = |i: usize| {
         let length = random.between(0.2, 6.0) as f32;
@@ -196,7 +197,18 @@ fn off_surface([a, b, c]: &Triangle, random: &mut Random) -> (Vec3, Vec3) {
 fn check(device: &dyn Device, triangles: &[Triangle], options: &BuildOptions, rays: &[Ray]) -> usize {
     let bvh = build(triangles, options).expect("built");
     bvh.validate(triangles).expect("valid");
-    let answers = trace(device, &bvh, triangles, rays);
+    check_packed(device, &bvh.nodes, slots(&bvh, triangles), triangles, rays)
+}
+
+/// The same of nodes and slots as they are; `triangles`: all of the world's, by their ids.
+pub fn check_packed(
+    device: &dyn Device,
+    nodes: &[[u32; 4]],
+    slots: Vec<[u32; 4]>,
+    triangles: &[Triangle],
+    rays: &[Ray],
+) -> usize {
+    let answers = trace(device, nodes, slots, rays);
     assert_eq!(answers.len(), rays.len());
     let mut n_decided = 0;
     for (ray, actual) in rays.iter().zip(&answers) {

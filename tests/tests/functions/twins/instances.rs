@@ -1,0 +1,47 @@
+//! Traversal through placed meshes, on both devices, against every copied triangle tried in f64.
+
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use midway_accel::{BuildOptions, MESH_OPTIONS, Placement, TwoLevel, build};
+use midway_tests::estimate::{cpu, gpu};
+
+use super::traversal::{Triangle, check_packed, mesh, rays, slots};
+use crate::support::Random;
+
+/// Turned, scaled unevenly, moved, every other one mirrored.
+fn placements(n: usize) -> Vec<Placement> {
+    let mut random = Random::new(93);
+    (0..n)
+        .map(|i| {
+            let rotation = DQuat::from_axis_angle(random.direction(), random.between(0.0, 6.0));
+            let mut scale = DVec3::new(random.between(0.2, 0.5), random.between(0.2, 0.5), 0.3);
+            scale.x *= if i % 2 == 1 { -1.0 } else { 1.0 };
+            let moved = random.direction() * random.between(0.0, 2.5);
+            let world_from_mesh = DAffine3::from_scale_rotation_translation(scale, rotation, moved);
+            Placement { mesh: 0, world_from_mesh }
+        })
+        .collect()
+}
+
+#[test]
+fn traversal_through_instances_finds_what_trying_all_copies_finds() {
+    // The ball is placed; the box and the slivers around it are the world's own.
+    let all = mesh();
+    let (ball, world) = all.split_at(all.len() - 62);
+    let n_ball = ball.len() as u32;
+    let bottom = build(ball, &MESH_OPTIONS).expect("built");
+    let top = TwoLevel::build(world, vec![bottom], placements(5), &BuildOptions::default()).expect("built");
+    let mut copies: Vec<Triangle> = world.to_vec();
+    let mut first_ids = Vec::new();
+    for placement in &top.placements {
+        first_ids.push(copies.len() as u32);
+        let place = |v: Vec3| placement.world_from_mesh.transform_point3(v.as_dvec3()).as_vec3();
+        copies.extend(ball.iter().map(|t| t.map(place)));
+    }
+    assert_eq!(copies.len() as u32, world.len() as u32 + 5 * n_ball);
+    let packed = [slots(&top.world, world), slots(&top.meshes[0], ball)].concat();
+    let rays = rays(&copies, 2000);
+    for device in [Some(cpu()), gpu()].into_iter().flatten() {
+        let n = check_packed(&*device, &top.nodes(&first_ids), packed.clone(), &copies, &rays);
+        assert!(n >= 1900, "only {n} of {} rays decide", rays.len());
+    }
+}
