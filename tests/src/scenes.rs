@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 use midway_film::Image;
-use midway_scene::Scene;
+use midway_scene::{Channel, Image as Picture, Material, Opacity, ScalarInput, Scene, Texels, Texture};
 
 use crate::{
-    estimate::Expected,
+    estimate::{Expected, combine},
     shapes::{Shape, add, camera, diffuse, glass, mirror},
 };
 
@@ -40,6 +40,7 @@ pub fn all() -> Vec<Known> {
         closed_sphere(),
         closed_sphere_with_an_area_light(),
         facing_squares(),
+        facing_squares_through_a_veil(),
         mirror_box(),
         lamp_in_glass(),
         camera_in_glass(),
@@ -58,7 +59,7 @@ fn pixel_mean(x: usize, y: usize, radiance: impl Fn(f64, f64) -> Vec3) -> Vec3 {
 }
 
 /// Radiance 1 everywhere, by surfaces that each emit what they do not reflect.
-fn furnace(reflectance: Vec3) -> midway_scene::Material {
+fn furnace(reflectance: Vec3) -> Material {
     diffuse(reflectance, Vec3::ONE - reflectance)
 }
 
@@ -160,6 +161,22 @@ pub fn facing_squares() -> Known {
     Known::new("facing squares", scene, true, move |x, y| {
         point_to_square(x * HALF, y * HALF, 1.0) as f32 * reflectance * emission
     })
+}
+
+/// The facing squares with a black sheet before the lamp that is there by a chance of 0.4, by a texture:
+/// light of every strategy passes it, or not, on its way.
+pub fn facing_squares_through_a_veil() -> Known {
+    const OPACITY: f32 = 0.4;
+    let mut known = facing_squares();
+    let texel = Texels::Float(vec![[0.0, 0.0, 0.0, 2.0 * OPACITY]].into());
+    known.scene.images.push(Picture { name: String::new(), width: 1, height: 1, texels: texel });
+    let alpha = ScalarInput { value: 0.5, texture: Some((Texture::new(0), Channel::A)) };
+    let veil = Material { opacity: Opacity::Blend(alpha), ..diffuse(Vec3::ZERO, Vec3::ZERO) };
+    let sheet = Shape::parallelogram(Vec3::new(-1.0, -1.0, 0.9), 2.0 * Vec3::X, 2.0 * Vec3::Y);
+    add(&mut known.scene, sheet, veil);
+    let seen = &known.expected.mean;
+    known.expected.mean = combine(seen, seen, |radiance, _| radiance * f64::from(1.0 - OPACITY));
+    Known { name: "facing squares through a veil", ..known }
 }
 
 /// The form factor from a point to the parallel square of side 1 about the axis, at a distance, by

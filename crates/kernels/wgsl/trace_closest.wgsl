@@ -1,10 +1,11 @@
 // Finds what each queued path's ray hits first.
-// One invocation: one queued path. Reads: nodes, triangles, queues. Writes: the hit of each path,
+// One invocation: one queued path. Reads: scene, nodes, triangles, texels, queues. Writes: the hit of each path,
 // but for paths that still have joins to make at the vertex they are at.
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/geometry.wgsl"
+#include "bindings/opacity.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 

@@ -1,8 +1,10 @@
 // Tests the contributions that wait for visibility and adds what is unoccluded to the film.
-// One invocation: one shadow ray. Reads: nodes, triangles, shadow_rays. Writes: film.
+// One invocation: one shadow ray. Reads: scene, nodes, triangles, texels, shadow_rays. Writes: film.
 
 #include "bindings/params.wgsl"
+#include "bindings/scene.wgsl"
 #include "bindings/geometry.wgsl"
+#include "bindings/opacity.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
 #include "bindings/film.wgsl"

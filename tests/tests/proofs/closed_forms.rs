@@ -70,6 +70,11 @@ fn facing_squares_have_the_known_form_factor() {
 }
 
 #[test]
+fn a_veil_before_the_lamp_takes_its_share() {
+    prove_on_cpu(&scenes::facing_squares_through_a_veil());
+}
+
+#[test]
 fn a_box_of_perfect_mirrors_shows_its_lamp_everywhere() {
     prove_on_cpu(&scenes::mirror_box());
 }

@@ -21,8 +21,12 @@ const STACK_LEAVE: u32 = 0xffffffefu;
 /// rows of mesh_from_world, with what moves the mesh; the mesh's root, and what is added to its
 /// triangles.
 @group(0) @binding(2) var<storage, read> nodes: array<vec4<u32>>;
-/// Leaf slot: first vertex and triangle index; two edges.
+/// Leaf slot: first vertex and triangle index; an edge and SLOT_*; the other edge. Where a slot is not
+/// solid, `passes` says whether a ray does (bindings/opacity.wgsl).
 @group(0) @binding(3) var<storage, read> triangles: array<vec4<f32>>;
+
+const SLOT_SOLID: u32 = 0u;
+const SLOT_CUTOUT: u32 = 1u;
 
 /// A ray in the frame of the hierarchy that it is in.
 struct LocalRay {
@@ -106,9 +110,13 @@ fn closest_hit(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {
         for (var slot = first; slot < end; slot += 1u) {
             let at = slot * TRIANGLE_STRIDE;
             let v0 = triangles[at];
-            let tuv = intersect_triangle(v0.xyz, triangles[at + 1u].xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
+            let e1 = triangles[at + 1u];
+            let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < hit.t) {
-                hit = Hit(tuv.x, tuv.y, tuv.z, ray.first_id + bitcast<u32>(v0.w));
+                let id = ray.first_id + bitcast<u32>(v0.w);
+                if (bitcast<u32>(e1.w) == SLOT_SOLID || !passes(id, tuv.y, tuv.z, origin, direction)) {
+                    hit = Hit(tuv.x, tuv.y, tuv.z, id);
+                }
             }
         }
         top -= 1u;
@@ -168,9 +176,14 @@ fn any_hit(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
         let end = first + (node & LEAF_COUNT_MASK);
         for (var slot = first; slot < end; slot += 1u) {
             let at = slot * TRIANGLE_STRIDE;
-            let tuv = intersect_triangle(triangles[at].xyz, triangles[at + 1u].xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
+            let v0 = triangles[at];
+            let e1 = triangles[at + 1u];
+            let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < t_max) {
-                return true;
+                let id = ray.first_id + bitcast<u32>(v0.w);
+                if (bitcast<u32>(e1.w) == SLOT_SOLID || !passes(id, tuv.y, tuv.z, origin, direction)) {
+                    return true;
+                }
             }
         }
         top -= 1u;

@@ -3,6 +3,11 @@
 #include "bindings/probe.wgsl"
 #include "bindings/geometry.wgsl"
 
+/// Everything is solid here.
+fn passes(id: u32, u: f32, v: f32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
+    return false;
+}
+
 @compute @workgroup_size(64)
 fn probe_traversal(@builtin(global_invocation_id) id: vec3<u32>) {
     if (id.x >= probe_count()) {

@@ -1,9 +1,11 @@
 //! Triangles as traversal and as shading read them.
 
+use std::iter::repeat_n;
+
 use glam::{Vec2, Vec3, Vec4};
 use midway_accel::TwoLevel;
 use midway_kernels::constants as k;
-use midway_scene::{Mesh, PlacedMesh, WorldTriangle};
+use midway_scene::{Mesh, Opacity, PlacedMesh, WorldTriangle};
 
 use super::{Word4, normals::oct_encode, word4};
 use crate::{lights::Lights, world::World};
@@ -18,15 +20,22 @@ const LARGEST_HALF: f32 = 65504.0;
 pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions: &[[Vec3; 3]]) -> Vec<Word4> {
     let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives.len()).sum();
     let mut words = Vec::with_capacity(n_slots * k::TRIANGLE_STRIDE as usize);
-    let mut slot = |[a, b, c]: [Vec3; 3], primitive: u32| {
-        words.extend([word4(a, primitive), word4(b - a, 0), word4(c - a, 0)]);
+    let kind_of = |mesh: &Mesh| match world.scene().materials[mesh.material as usize].opacity {
+        Opacity::Opaque => k::SLOT_SOLID,
+        Opacity::Mask(..) | Opacity::Blend(_) => k::SLOT_CUTOUT,
+    };
+    let baked = world.baked().flat_map(|mesh| repeat_n(kind_of(mesh.mesh()), mesh.n_triangles() as usize));
+    let baked: Vec<u32> = baked.collect();
+    let mut slot = |[a, b, c]: [Vec3; 3], primitive: u32, kind: u32| {
+        words.extend([word4(a, primitive), word4(b - a, kind), word4(c - a, 0)]);
     };
     for &primitive in &two_level.world.primitives {
-        slot(positions[primitive as usize], primitive);
+        slot(positions[primitive as usize], primitive, baked[primitive as usize]);
     }
     for (bvh, &mesh) in two_level.meshes.iter().zip(&world.meshes) {
         let alone = world.scene().mesh_alone(mesh);
-        bvh.primitives.iter().for_each(|&primitive| slot(alone.positions(primitive), primitive));
+        let kind = kind_of(alone.mesh());
+        bvh.primitives.iter().for_each(|&primitive| slot(alone.positions(primitive), primitive, kind));
     }
     words
 }
