@@ -1,5 +1,6 @@
 //! What the proofs share: scenes with known answers, batches of independent estimates, statistics.
 
+pub mod albedo;
 pub mod estimate;
 pub mod integrators;
 pub mod own;

@@ -2,7 +2,10 @@
 
 use glam::Vec3;
 use midway_film::Image;
-use midway_scene::{Channel, Image as Picture, Material, Opacity, ScalarInput, Scene, Texels, Texture};
+use midway_scene::{
+    Channel, ConductorFresnel, Image as Picture, Material, MetallicRoughness, Opacity, Roughness, ScalarInput,
+    Scene, Surface, Texels, Texture,
+};
 
 use crate::{
     estimate::{Expected, combine},
@@ -142,6 +145,99 @@ pub fn leaning_normals() -> Scene {
     add(&mut scene, lamp, diffuse(Vec3::ZERO, Vec3::splat(4.0)));
     scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.95), Vec3::new(0.0, -0.2, 0.0), 90.0));
     scene
+}
+
+/// Balls and a sheet of every model that is rough, below a wide lamp in a grey room; with `smooth`,
+/// some with delta lobes beside others or alone, and a surface that is not there.
+pub fn materials_room(smooth: bool) -> Scene {
+    let mut scene = Scene::default();
+    let room = Shape::cuboid(-Vec3::ONE, Vec3::ONE).inside_out();
+    let lamp = Shape::parallelogram(Vec3::new(-0.7, 0.9, -0.7), 1.4 * Vec3::X, 1.4 * Vec3::Z);
+    add(&mut scene, room, diffuse(Vec3::splat(0.5), Vec3::ZERO));
+    add(&mut scene, lamp, diffuse(Vec3::ZERO, Vec3::splat(4.0)));
+    let surfaces = if smooth { smooth_surfaces() } else { rough_surfaces() };
+    for (i, surface) in surfaces.into_iter().enumerate() {
+        let place = Vec3::new([-0.6, 0.0, 0.6][i % 3], [-0.6, 0.0, 0.5][i / 3], -0.3 + 0.1 * (i % 2) as f32);
+        add(&mut scene, Shape::icosphere(2, place, 0.26), Material::new(surface));
+    }
+    let sheet = Shape::parallelogram(Vec3::new(-0.9, -0.9, 0.2), 0.7 * Vec3::X, 0.5 * Vec3::Y);
+    add(&mut scene, sheet, Material::new(dielectric(true, if smooth { 0.0 } else { 0.4 })));
+    scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.95), Vec3::new(0.0, -0.1, 0.0), 85.0));
+    scene
+}
+
+fn dielectric(thin: bool, alpha: f32) -> Surface {
+    Surface::Dielectric {
+        ior: 1.5,
+        reflection: Vec3::ONE.into(),
+        transmission: Vec3::new(0.8, 0.9, 1.0).into(),
+        sigma_a: Vec3::new(1.0, 0.5, 0.1),
+        thin,
+        roughness: Roughness::alpha(alpha),
+    }
+}
+
+fn plastic(alpha: f32) -> Surface {
+    Surface::Plastic {
+        reflectance: Vec3::new(0.8, 0.3, 0.1).into(),
+        specular: Vec3::ONE.into(),
+        ior: 1.5,
+        nonlinear: true,
+        roughness: Roughness::alpha(alpha),
+    }
+}
+
+fn rough_surfaces() -> Vec<Surface> {
+    let copper = ConductorFresnel::Complex {
+        eta: Vec3::new(0.2, 0.92, 1.1),
+        k: Vec3::new(3.91, 2.45, 2.14),
+        tint: Vec3::ONE.into(),
+    };
+    let brushed = Roughness { along: 0.7.into(), across: 0.4.into(), squared: true };
+    let base = MetallicRoughness { base_color: Vec3::new(0.3, 0.7, 0.9).into(), ..MetallicRoughness::default() };
+    let coated = MetallicRoughness {
+        roughness: 0.6.into(),
+        metallic: 0.3.into(),
+        clearcoat: 1.0.into(),
+        clearcoat_roughness: 0.5.into(),
+        anisotropy: 0.5.into(),
+        ..base.clone()
+    };
+    let velvet = MetallicRoughness { sheen_color: Vec3::ONE.into(), sheen_roughness: 0.6.into(), ..base.clone() };
+    let wax = MetallicRoughness {
+        transmission: 0.8.into(),
+        thin: false,
+        sigma_a: Vec3::splat(0.5),
+        roughness: 0.6.into(),
+        ..base
+    };
+    vec![
+        Surface::Conductor { fresnel: copper, roughness: brushed },
+        dielectric(false, 0.35),
+        plastic(0.3),
+        Surface::MetallicRoughness(Box::new(coated)),
+        Surface::MetallicRoughness(Box::new(velvet)),
+        Surface::MetallicRoughness(Box::new(wax)),
+    ]
+}
+
+fn smooth_surfaces() -> Vec<Surface> {
+    let base = MetallicRoughness {
+        base_color: Vec3::new(0.3, 0.7, 0.9).into(),
+        clearcoat: 1.0.into(),
+        ..MetallicRoughness::default()
+    };
+    let half_thin = MetallicRoughness { roughness: 0.0.into(), transmission: 0.5.into(), ..base.clone() };
+    let ice = MetallicRoughness { thin: false, sigma_a: Vec3::splat(0.5), ..half_thin.clone() };
+    vec![
+        Surface::mirror(Vec3::new(0.9, 0.8, 0.5)),
+        dielectric(false, 0.0),
+        plastic(0.0),
+        Surface::MetallicRoughness(Box::new(base)),
+        Surface::MetallicRoughness(Box::new(half_thin)),
+        Surface::MetallicRoughness(Box::new(ice)),
+        Surface::Null,
+    ]
 }
 
 /// Half the side of the facing squares; they are 1 apart.

@@ -8,6 +8,10 @@ use wgsl_cpu::Kernel;
 
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 
+/// Curves of directional albedos, which the buffer `scene` starts with: vec4 of f32, little-endian, in
+/// the order of `wgsl/lib/albedo.wgsl`. Made and checked by `tests/src/albedo.rs`.
+pub static ALBEDO_TABLES: &[u8] = include_bytes!("albedo.bin");
+
 /// The kernel of that name.
 ///
 /// # Panics

@@ -6,6 +6,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
+#include "bindings/material.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
@@ -27,7 +28,7 @@ fn connect(@builtin(global_invocation_id) invocation: vec3<u32>) {
         return;
     }
     let vertex = arrive(path, hit);
-    if (is_delta(vertex.material) || !may_join(path, vertex)) {
+    if (!is_connectible(vertex.material) || !may_join(path, vertex)) {
         return;
     }
     let drawn = draw_light_path(id, path);

@@ -4,6 +4,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
+#include "bindings/material.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
 #include "bindings/light_vertices.wgsl"
@@ -36,8 +37,9 @@ fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
         let pdf_y = pdf_camera * abs(dot(vertex.surface.ng, wi));
         weight = mis_weight_splat(mis_config(), pdf_y, light_earlier(stored, vertex, wi));
     }
+    let medium = medium_before(params.camera_medium, vertex.surface, vertex.material, wi);
     // splat_factor > 0: light paths per sample of every pixel
-    let contribution = light_end_scatter(stored, vertex, wi) * medium_transmittance(params.camera_medium, distance)
+    let contribution = light_end_scatter(stored, vertex, wi) * medium_transmittance(medium, distance)
         * (cosine * pdf_camera / params.splat_factor * strategy_weight(stored.s, 1u, weight));
     if (contributes(contribution)) {
         push_shadow_ray(pixel, offset_origin(stored.position, normal_of(vertex.surface, wi)), params.camera.origin, contribution);

@@ -6,6 +6,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
+#include "bindings/material.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
@@ -33,7 +34,7 @@ fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (vertex.surface.light != NONE) {
         add_emission(path, vertex, t);
     }
-    if (has_flag(FLAG_NEE) && params.n_lights != 0u && !is_delta(vertex.material) && length_allowed(1u, t)) {
+    if (has_flag(FLAG_NEE) && params.n_lights != 0u && is_connectible(vertex.material) && length_allowed(1u, t)) {
         sample_light(path, vertex, t);
     }
     let u = scatter_numbers(path, 0u);
@@ -85,7 +86,7 @@ fn sample_light(path: Path, vertex: Vertex, t: u32) {
     let wi = between / distance;
     let cos_light = dot(on_light.ng, -wi);
     let radiance = emitted_radiance(emitter, cos_light);
-    let f = bsdf_eval(vertex.material, vertex.surface.ng, vertex.surface.ns, vertex.wo, wi);
+    let f = bsdf_eval(vertex.material, frame_of(vertex.surface), vertex.wo, wi, TRANSPORT_RADIANCE);
     if (!contributes(radiance * f)) {
         return;
     }
@@ -99,7 +100,9 @@ fn sample_light(path: Path, vertex: Vertex, t: u32) {
         scatter_pdf(vertex, wi, vertex.wo));
     let weight = mis_weight_emitter(config, 1.0, pdf_hit, pdf_position, pdf_position, pdf_emit, earlier);
     let geometry = abs(dot(vertex.surface.ns, wi)) * abs(cos_light) / distance_squared;
-    let contribution = vertex.throughput * f * radiance * medium_transmittance(path.medium, distance)
+    let leaving = medium_towards(path.medium, vertex.surface, vertex.material, vertex.wo, wi);
+    let medium = medium_before(leaving, on_light, emitter, -wi);
+    let contribution = vertex.throughput * f * radiance * medium_transmittance(medium, distance)
         * (geometry / pdf_position * strategy_weight(1u, t, weight));
     if (contributes(contribution)) {
         push_shadow_ray(path.index, offset_origin(vertex.surface.position, normal_towards(vertex.surface, wi)),

@@ -4,6 +4,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
+#include "bindings/material.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/light_vertices.wgsl"
@@ -27,7 +28,7 @@ fn shade_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (!length_allowed(s, 1u)) {
         return;
     }
-    let connectible = !is_delta(vertex.material);
+    let connectible = is_connectible(vertex.material);
     let stored = LightVertex(vertex.surface.position, hit.triangle, vertex.throughput, vertex.mis.dvcm,
         vertex.wo, vertex.mis.dvc, hit.u, hit.v, bitcast<u32>(vertex.mis.ending), s);
     if (connectible) {

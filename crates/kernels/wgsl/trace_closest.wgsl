@@ -4,6 +4,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
+#include "bindings/material.wgsl"
 #include "bindings/geometry.wgsl"
 #include "bindings/opacity.wgsl"
 #include "bindings/paths.wgsl"

@@ -1,11 +1,11 @@
 //! Laws that scattering keeps: energy, reciprocity, Fresnel and Snell, the right side of surfaces.
 
 use glam::DVec3;
-use midway_kernels::native::lib::{self, BsdfSample, Material};
+use midway_kernels::native::lib::{self, BsdfSample, Material, RawMaterial};
 use midway_tests::statistics::Estimate;
-use wgsl_cpu::runtime::Vec3;
+use wgsl_cpu::runtime::{Vec2, Vec3};
 
-use crate::support::{Random, assert_near, diffuse, double, single, surface};
+use crate::support::{Random, assert_near, diffuse, double, frame, glass, mirror, raw, finish, sheet, single};
 
 /// Fresnel's equations in f64 from angles rather than cosines: reflectance, and transmittance from
 /// its own amplitudes. None at total internal reflection.
@@ -76,7 +76,7 @@ fn random_place(random: &mut Random, tilt: f64) -> [DVec3; 3] {
 }
 
 fn sample(material: Material, [ng, ns, wo]: [DVec3; 3], random: &mut Random, mode: u32) -> BsdfSample {
-    lib::bsdf_sample(material, single(ng), single(ns), single(wo), random.unit3(), mode)
+    lib::bsdf_sample(material, frame(ng, ns), single(wo), random.unit3(), mode)
 }
 
 #[test]
@@ -114,16 +114,17 @@ fn eval_is_reciprocal() {
     let material = diffuse([0.3, 0.6, 0.9]);
     let mut lit = 0;
     for _ in 0..50_000 {
-        let [ng, ns, wo] = random_place(&mut random, 0.6).map(single);
-        let wi = single(random.direction());
-        let f = lib::bsdf_eval(material, ng, ns, wo, wi);
-        assert_eq!(f, lib::bsdf_eval(material, ng, ns, wi, wo), "{ng:?} {ns:?} {wo:?} {wi:?}");
+        let [ng, ns, wo] = random_place(&mut random, 0.6);
+        let (place, wo, wi) = (frame(ng, ns), single(wo), single(random.direction()));
+        let f = lib::bsdf_eval(material, place, wo, wi, lib::TRANSPORT_RADIANCE);
+        let reverse = lib::bsdf_eval(material, place, wi, wo, lib::TRANSPORT_RADIANCE);
+        assert_eq!(f, reverse, "{place:?} {wo:?} {wi:?}");
         lit += usize::from(f.x > 0.0);
-        let crosses = double(wo).dot(double(ng)) * double(wi).dot(double(ng)) < -1e-6;
+        let crosses = double(wo).dot(ng) * double(wi).dot(ng) < -1e-6;
         assert!(!(crosses && f.x > 0.0), "reflection reaches the other side");
         // Both are 0 or neither: a density where nothing is scattered would only waste samples, the
         // reverse would lose light.
-        assert_eq!(f.x > 0.0, lib::bsdf_pdf(material, ng, ns, wo, wi) > 0.0);
+        assert_eq!(f.x > 0.0, lib::bsdf_pdf(material, place, wo, wi) > 0.0);
     }
     assert!(lit >= 10_000, "{lit} of 50000 pairs scatter");
 }
@@ -131,14 +132,14 @@ fn eval_is_reciprocal() {
 #[test]
 fn delta_lobes_have_no_eval_and_no_pdf() {
     let mut random = Random::new(43);
-    for kind in [lib::SURFACE_MIRROR, lib::SURFACE_DIELECTRIC] {
-        let material = surface(kind, [0.9; 3], 1.5, 0);
-        assert!(lib::is_delta(material));
+    for material in [mirror([0.9; 3]), glass([0.9; 3], 1.5), sheet([0.9; 3], 1.5), finish(raw(lib::SURFACE_NULL))] {
+        assert!(!lib::is_connectible(material));
         let place @ [ng, ns, wo] = random_place(&mut random, 0.0);
         let sampled = sample(material, place, &mut random, lib::TRANSPORT_RADIANCE);
-        let [ng, ns, wo] = [ng, ns, wo].map(single);
-        assert_eq!(lib::bsdf_eval(material, ng, ns, wo, sampled.wi), Vec3::splat(0.0));
-        assert_eq!(lib::bsdf_pdf(material, ng, ns, wo, sampled.wi), 0.0);
+        let (place, wo) = (frame(ng, ns), single(wo));
+        let f = lib::bsdf_eval(material, place, wo, sampled.wi, lib::TRANSPORT_RADIANCE);
+        assert_eq!(f, Vec3::splat(0.0));
+        assert_eq!(lib::bsdf_pdf(material, place, wo, sampled.wi), 0.0);
     }
 }
 
@@ -150,12 +151,12 @@ fn refraction_scales_radiance_only() {
     let mut refracted = [0; 2];
     for _ in 0..20_000 {
         let ior = random.between(1.05, 2.5) as f32;
-        let material = surface(lib::SURFACE_DIELECTRIC, tint, ior, 0);
+        let material = glass(tint, ior);
         let [ng, _, wo] = random_place(&mut random, 0.0);
         for mode in [lib::TRANSPORT_RADIANCE, lib::TRANSPORT_IMPORTANCE] {
             let sampled = sample(material, [ng, ng, wo], &mut random, mode);
             if sampled.pdf == 0.0 || !sampled.transmitted {
-                assert!(sampled.pdf == 0.0 || sampled.weight == Vec3::splat(1.0));
+                assert!(sampled.pdf == 0.0 || (sampled.weight.x - 1.0).abs() <= 1e-6);
                 continue;
             }
             refracted[mode as usize] += 1;
@@ -175,7 +176,7 @@ fn refraction_obeys_snell() {
     let mut random = Random::new(45);
     for _ in 0..50_000 {
         let ior = random.between(0.5, 2.5);
-        let material = surface(lib::SURFACE_DIELECTRIC, [1.0; 3], ior as f32, 0);
+        let material = glass([1.0; 3], ior as f32);
         let [ng, _, wo] = random_place(&mut random, 0.0);
         let sampled = sample(material, [ng, ng, wo], &mut random, lib::TRANSPORT_RADIANCE);
         if sampled.pdf == 0.0 || wo.dot(ng).abs() < 1e-3 {
@@ -198,7 +199,7 @@ fn refraction_obeys_snell() {
 fn ior_of_one_goes_straight_on() {
     let mut random = Random::new(46);
     for _ in 0..5000 {
-        let material = surface(lib::SURFACE_DIELECTRIC, [0.5; 3], 1.0, 0);
+        let material = glass([0.5; 3], 1.0);
         let [ng, _, wo] = random_place(&mut random, 0.0);
         let sampled = sample(material, [ng, ng, wo], &mut random, lib::TRANSPORT_RADIANCE);
         assert!(sampled.transmitted && sampled.weight == Vec3::splat(0.5), "{sampled:?}");
@@ -213,12 +214,11 @@ fn delta_lobes_never_reach_the_wrong_side() {
     let mut random = Random::new(47);
     let mut fallbacks = 0;
     for i in 0..100_000u32 {
-        let kind = if i % 2 == 0 { lib::SURFACE_MIRROR } else { lib::SURFACE_DIELECTRIC };
-        let flags = if i % 5 == 0 { lib::MATERIAL_THIN } else { 0 };
-        let material = surface(kind, [0.9; 3], random.between(0.6, 2.0) as f32, flags);
+        let ior = random.between(0.6, 2.0) as f32;
+        let material = [mirror([0.9; 3]), glass([0.9; 3], ior), sheet([0.9; 3], ior)][i as usize % 3];
         let place @ [ng, ns, wo] = random_place(&mut random, 1.2);
         let sampled = sample(material, place, &mut random, i % 2);
-        let chosen = lib::delta_normal(single(ng), single(ns), single(wo));
+        let chosen = lib::delta_normal(frame(ng, ns), single(wo));
         fallbacks += usize::from((double(chosen).dot(ns)).abs() < 0.999_999);
         if sampled.pdf == 0.0 {
             continue;
@@ -241,7 +241,7 @@ fn mirrors_follow_schlick() {
     let mut random = Random::new(48);
     for _ in 0..10_000 {
         let place = random_place(&mut random, 0.5);
-        let mirror = surface(lib::SURFACE_MIRROR, [0.9, 0.5, 0.0], 1.0, 0);
+        let mirror = mirror([0.9, 0.5, 0.0]);
         let sampled = sample(mirror, place, &mut random, lib::TRANSPORT_RADIANCE);
         assert!(sampled.weight.to_array().iter().all(|w| (0.0..=1.0).contains(w)), "{sampled:?}");
     }
@@ -251,22 +251,21 @@ fn mirrors_follow_schlick() {
 fn adjoint_factor_is_one_without_shading_normals_and_its_own_inverse() {
     let mut random = Random::new(49);
     for _ in 0..20_000 {
-        let [ng, ns, wo] = random_place(&mut random, 0.6).map(single);
-        let wi = single(random.direction());
-        let plain = lib::adjoint_factor(ng, ng, wo, wi);
+        let [ng, ns, wo] = random_place(&mut random, 0.6);
+        let (place, wo, wi) = (frame(ng, ns), single(wo), single(random.direction()));
+        let plain = lib::adjoint_factor(frame(ng, ng), wo, wi);
         assert_near(f64::from(plain), 1.0, 1e-6, "ns = ng");
-        let there = f64::from(lib::adjoint_factor(ng, ns, wo, wi));
-        let back = f64::from(lib::adjoint_factor(ng, ns, wi, wo));
+        let there = f64::from(lib::adjoint_factor(place, wo, wi));
+        let back = f64::from(lib::adjoint_factor(place, wi, wo));
         assert_near(there * back, 1.0, 1e-5, "there and back");
-        let [g, s, o, i] = [ng, ns, wo, wi].map(double);
+        let [g, s, o, i] = [place.ng, place.ns, wo, wi].map(double);
         let expected = (s.dot(o) * g.dot(i) / (g.dot(o) * s.dot(i))).abs();
         let tolerance =
             1e-6 / [s.dot(o), g.dot(i), g.dot(o), s.dot(i)].map(f64::abs).into_iter().fold(1.0, f64::min);
         assert_near(there / expected, 1.0, tolerance, "definition");
     }
     let edge_on = lib::adjoint_factor(
-        Vec3::new(0.0, 0.0, 1.0),
-        Vec3::new(0.0, 0.0, 1.0),
+        frame(DVec3::Z, DVec3::Z),
         Vec3::new(1.0, 0.0, 0.0),
         Vec3::new(0.0, 0.0, 1.0),
     );
@@ -275,15 +274,23 @@ fn adjoint_factor_is_one_without_shading_normals_and_its_own_inverse() {
 
 #[test]
 fn survival_is_a_chance_below_one() {
-    for (kind, reflectance, expected) in [
-        (lib::SURFACE_DIFFUSE, 0.5, 0.5),
-        (lib::SURFACE_DIFFUSE, 1.0, 0.95),
-        (lib::SURFACE_DIFFUSE, 0.0, 0.0),
-        (lib::SURFACE_MIRROR, 1.0, 0.98),
-        (lib::SURFACE_MIRROR, 0.0, 0.25),
-        (lib::SURFACE_DIELECTRIC, 0.0, 0.98),
+    let rough = |raw: RawMaterial| finish(RawMaterial { roughness: Vec2::splat(0.5), ..raw });
+    let black = |kind| RawMaterial { color: Vec3::splat(0.0), ..raw(kind) };
+    for (material, expected) in [
+        (diffuse([0.0, 0.5, 0.0]), 0.5),
+        (diffuse([1.0; 3]), lib::MAX_SURVIVAL),
+        (diffuse([0.0; 3]), 0.0),
+        (mirror([1.0; 3]), lib::DELTA_SURVIVAL),
+        (mirror([0.0; 3]), lib::MIN_SURVIVAL),
+        (glass([1.0; 3], 1.5), lib::DELTA_SURVIVAL),
+        (finish(raw(lib::SURFACE_NULL)), lib::DELTA_SURVIVAL),
+        (rough(raw(lib::SURFACE_CONDUCTOR)), lib::MAX_SURVIVAL),
+        (rough(black(lib::SURFACE_CONDUCTOR)), lib::MIN_SURVIVAL),
+        (rough(raw(lib::SURFACE_DIELECTRIC)), lib::MAX_SURVIVAL),
+        (finish(raw(lib::SURFACE_PLASTIC)), lib::MAX_SURVIVAL),
+        (finish(raw(lib::SURFACE_METALLIC_ROUGHNESS)), lib::MAX_SURVIVAL),
     ] {
-        assert_eq!(lib::survival(surface(kind, [0.0, reflectance, 0.0], 1.5, 0)), expected);
+        assert_eq!(lib::survival(material), expected, "{material:?}");
     }
 }
 

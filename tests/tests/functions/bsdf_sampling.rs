@@ -5,7 +5,7 @@ use midway_kernels::native::lib::{self, Material};
 
 use crate::{
     chi_square::{Cap, ChiSquare},
-    support::{Random, assert_near, diffuse, double, single, surface},
+    support::{Random, assert_near, diffuse, double, frame, glass, sheet, single},
 };
 
 const N: u64 = 400_000;
@@ -20,11 +20,11 @@ struct Place {
 
 impl Place {
     fn sample(&self, material: Material, random: &mut Random, mode: u32) -> lib::BsdfSample {
-        lib::bsdf_sample(material, single(self.ng), single(self.ns), single(self.wo), random.unit3(), mode)
+        lib::bsdf_sample(material, frame(self.ng, self.ns), single(self.wo), random.unit3(), mode)
     }
 
     fn pdf(&self, material: Material, wi: DVec3) -> f64 {
-        f64::from(lib::bsdf_pdf(material, single(self.ng), single(self.ns), single(self.wo), single(wi)))
+        f64::from(lib::bsdf_pdf(material, frame(self.ng, self.ns), single(self.wo), single(wi)))
     }
 
     /// Places with the shading normal tilted by up to `tilt`, on both sides, grazing ones too.
@@ -97,9 +97,9 @@ fn diffuse_samples_carry_their_own_density_and_weight() {
             let wi = double(sampled.wi);
             // Both are cosines of unit vectors over π, which rounding moves by some 1e-7.
             assert_near(f64::from(sampled.pdf), place.pdf(material, wi), 2e-7, "pdf");
-            let [ng, ns, wo] = [place.ng, place.ns, place.wo].map(single);
-            let f = double(lib::bsdf_eval(material, ng, ns, wo, sampled.wi));
-            let expected = f * double(ns).dot(wi).abs();
+            let (at, wo) = (frame(place.ng, place.ns), single(place.wo));
+            let f = double(lib::bsdf_eval(material, at, wo, sampled.wi, lib::TRANSPORT_IMPORTANCE));
+            let expected = f * double(at.ns).dot(wi).abs();
             let actual = double(sampled.weight) * f64::from(sampled.pdf);
             assert!((actual - expected).abs().max_element() <= 2e-7, "{place:?}: {actual}, not {expected}");
         }
@@ -114,7 +114,7 @@ fn dielectrics_choose_lobes_by_fresnel() {
         [(1.5, 0.9, 1.0), (1.5, 0.2, 1.0), (1.5, 0.9, -1.0), (2.4, 0.5, 1.0), (1.33, 0.05, 1.0)]
     {
         let place = face_on(cos_o, side);
-        let material = surface(lib::SURFACE_DIELECTRIC, [0.8, 0.9, 1.0], ior, 0);
+        let material = glass([0.8, 0.9, 1.0], ior);
         let eta = if side > 0.0 { ior } else { 1.0 / ior };
         let chance = f64::from(lib::fresnel_dielectric(cos_o as f32, eta).x);
         let reflected = count_reflected(&place, material, &mut random);
@@ -131,7 +131,7 @@ fn thin_sheets_choose_lobes_by_the_series_of_their_bounces() {
     let mut random = Random::new(34);
     for (cos_o, side) in [(1.0, 1.0), (0.5, 1.0), (0.1, -1.0)] {
         let place = face_on(cos_o, side);
-        let material = surface(lib::SURFACE_DIELECTRIC, [1.0; 3], 1.5, lib::MATERIAL_THIN);
+        let material = sheet([1.0; 3], 1.5);
         let r = f64::from(lib::fresnel_dielectric(cos_o as f32, 1.5).x);
         let series: f64 = r + (0..60).map(|i| (1.0 - r).powi(2) * r * r.powi(2 * i)).sum::<f64>();
         let reflected = count_reflected(&place, material, &mut random);

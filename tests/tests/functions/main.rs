@@ -2,12 +2,15 @@
 //! against its laws, MIS weights against their definition, and every function on a GPU against the
 //! same function on the CPU.
 
+mod albedo_tables;
 mod bsdf_laws;
+mod bsdf_models;
 mod bsdf_sampling;
 mod chi_square;
 mod film;
 mod maths;
 mod mis;
+mod models;
 mod random_numbers;
 mod sampling;
 mod support;

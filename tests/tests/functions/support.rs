@@ -1,8 +1,11 @@
 //! Random inputs, and the way between the kernels' vectors and f64.
 
 use glam::DVec3;
-use midway_kernels::native::lib::{Material, SURFACE_DIFFUSE};
-use wgsl_cpu::runtime::{Vec2, Vec3};
+use midway_kernels::{
+    ALBEDO_TABLES,
+    native::lib::{self, Albedos, Curve, Frame, Material, RawMaterial},
+};
+use wgsl_cpu::runtime::{Vec2, Vec3, Vec4};
 
 /// A generator of its own, so that the kernels' hash is not tested with itself (SplitMix64,
 /// Steele et al. 2014).
@@ -68,20 +71,100 @@ pub fn single(v: DVec3) -> Vec3<f32> {
     Vec3::new(v.x as f32, v.y as f32, v.z as f32)
 }
 
-/// A material that does not emit.
-pub fn surface(kind: u32, reflectance: [f32; 3], ior: f32, flags: u32) -> Material {
-    Material {
-        reflectance: Vec3::from(reflectance),
+/// A record of a kind with everything white, smooth and plain.
+pub fn raw(kind: u32) -> RawMaterial {
+    RawMaterial {
         kind,
+        flags: 0,
+        color: Vec3::splat(1.0),
         emission: Vec3::splat(0.0),
-        ior,
-        sigma_a: Vec3::splat(0.0),
-        flags,
+        ior: 1.5,
+        specular_color: Vec3::splat(1.0),
+        specular: 1.0,
+        roughness: Vec2::splat(0.0),
+        metallic: 0.0,
+        transmission: 0.0,
+        eta_or_sheen: Vec4::splat(0.0),
+        k_or_coat: Vec3::splat(0.0),
+        rotation: Vec2::new(1.0, 0.0),
     }
 }
 
+/// A material of a record, with curves from the tables as `bindings/material.wgsl` reads them.
+pub fn finish(raw: RawMaterial) -> Material {
+    let alpha = lib::mean_alpha(lib::interface_alpha(raw));
+    let none = lib::no_curve();
+    let mut albedos = Albedos { a: none, b: none, sheen: alpha_curve(lib::CURVE_SHEEN, lib::sheen_alpha(raw)) };
+    if alpha > 0.0 {
+        let [front, back] = if raw.ior > 1.0 {
+            [lib::CURVE_RARE_LOSS, lib::CURVE_DENSE_LOSS]
+        } else {
+            [lib::CURVE_DENSE_LOSS, lib::CURVE_RARE_LOSS]
+        };
+        (albedos.a, albedos.b) = if lib::needs_dielectric_losses(raw) {
+            (index_curve(front, alpha, raw.ior), index_curve(back, alpha, raw.ior))
+        } else if raw.kind == lib::SURFACE_PLASTIC {
+            (alpha_curve(lib::CURVE_LOSS, alpha), index_curve(lib::CURVE_RARE_REFLECTED, alpha, raw.ior))
+        } else {
+            (alpha_curve(lib::CURVE_LOSS, alpha), alpha_curve(lib::CURVE_GRAZING, alpha))
+        };
+    }
+    lib::finish_material(raw, albedos)
+}
+
+fn table(at: u32) -> Curve {
+    let row = |row: u32| {
+        let float = |i: u32| {
+            let at = (16 * row + 4 * i) as usize;
+            f32::from_le_bytes(ALBEDO_TABLES[at..at + 4].try_into().expect("4 bytes"))
+        };
+        Vec4::new(float(0), float(1), float(2), float(3))
+    };
+    Curve { low: row(at), high: row(at + 1) }
+}
+
+fn between(place: f32, entries: u32, entry: impl Fn(u32) -> Curve) -> Curve {
+    let first = (place as u32).min(entries - 2);
+    lib::blend_curves(entry(first), entry(first + 1), place - first as f32)
+}
+
+fn alpha_curve(curve: u32, alpha: f32) -> Curve {
+    let entry = |i| table((i * lib::N_ALPHA_CURVES + curve) * 2);
+    between(lib::alpha_place(alpha), lib::ALBEDO_ALPHAS, entry)
+}
+
+fn index_curve(curve: u32, alpha: f32, ior: f32) -> Curve {
+    let at = |i: u32, j: u32| {
+        table(lib::INDEX_CURVES_AT + ((i * lib::ALBEDO_ALPHAS + j) * lib::N_INDEX_CURVES + curve) * 2)
+    };
+    between(lib::index_place(ior), lib::ALBEDO_INDICES, |i| {
+        between(lib::alpha_place(alpha), lib::ALBEDO_ALPHAS, |j| at(i, j))
+    })
+}
+
 pub fn diffuse(reflectance: [f32; 3]) -> Material {
-    surface(SURFACE_DIFFUSE, reflectance, 1.0, 0)
+    finish(RawMaterial { color: Vec3::from(reflectance), ..raw(lib::SURFACE_DIFFUSE) })
+}
+
+/// Smooth metal by Schlick.
+pub fn mirror(f0: [f32; 3]) -> Material {
+    finish(RawMaterial { color: Vec3::from(f0), ..raw(lib::SURFACE_CONDUCTOR) })
+}
+
+/// Smooth solid glass that tints what it transmits.
+pub fn glass(tint: [f32; 3], ior: f32) -> Material {
+    let flags = lib::MATERIAL_INSIDE;
+    finish(RawMaterial { color: Vec3::from(tint), ior, flags, ..raw(lib::SURFACE_DIELECTRIC) })
+}
+
+/// A smooth sheet of it.
+pub fn sheet(tint: [f32; 3], ior: f32) -> Material {
+    finish(RawMaterial { color: Vec3::from(tint), ior, ..raw(lib::SURFACE_DIELECTRIC) })
+}
+
+/// A frame of normals; its tangent is perpendicular to ns.
+pub fn frame(ng: DVec3, ns: DVec3) -> Frame {
+    Frame { ng: single(ng), ns: single(ns), tangent: single(ns.any_orthonormal_vector()), bitangent_sign: 1.0 }
 }
 
 /// Asserts that two numbers differ by at most `tolerance`; NaN never passes.

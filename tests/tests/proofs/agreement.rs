@@ -35,3 +35,25 @@ fn integrators_agree_on_shading_normals() {
     }
     report.finish();
 }
+
+/// Every model of a surface: from one end, from the other and from both.
+#[test]
+fn integrators_agree_on_every_material() {
+    let _turn = in_turn();
+    let in_use = vec![true; scenes::SIZE * scenes::SIZE];
+    let mut report = Report::default();
+    for smooth in [false, true] {
+        let scene = scenes::materials_room(smooth);
+        let blocks = |case: &Case, samples| {
+            Blocks::of_batches(&estimate(&cpu(), &scene, scenes::SIZE, case, samples), &in_use)
+        };
+        let expected = blocks(&integrators::path_naive(), AGAINST * SAMPLES);
+        let ends = [integrators::path(), integrators::full(), integrators::single_step(true, true), integrators::light()];
+        // Light paths cannot be seen by way of a delta lobe.
+        for case in ends.iter().filter(|case| !smooth || case.settings.integrator != Integrator::Light) {
+            let agreement = Agreement::of(&blocks(case, SAMPLES), &expected);
+            report.check_where_reachable(&format!("{}, smooth: {smooth}", case.name()), &agreement);
+        }
+    }
+    report.finish();
+}

@@ -22,6 +22,7 @@ const LAMP_IN_GLASS: &str = "a_lamp_in_glass";
 const FURNACES: &str = "a_white_furnace";
 const SMALL_POOL: &str = "a_pool_of_two_paths";
 const SHADING_NORMALS: &str = "integrators_agree_on_shading_normals";
+const MATERIALS: &str = "integrators_agree_on_every_material";
 
 /// The mutants.
 pub const MUTANTS: &[Mutant] = &[
@@ -48,10 +49,24 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "missing-eta-squared",
-        file: "lib/bsdf.wgsl",
+        file: "lib/bsdf_sampling.wgsl",
         find: "select(1.0, 1.0 / (eta * eta), mode == TRANSPORT_RADIANCE)",
         replace: "1.0",
         caught_by: LAMP_IN_GLASS,
+    },
+    Mutant {
+        name: "rough-refraction-without-eta-squared",
+        file: "lib/bsdf_lobes.wgsl",
+        find: "select(f, f / (eta * eta), scaled)",
+        replace: "f",
+        caught_by: MATERIALS,
+    },
+    Mutant {
+        name: "join-through-the-medium-behind",
+        file: "bindings/material.wgsl",
+        find: "select(medium, select(NONE, surface.material, cos_i < 0.0), crosses)",
+        replace: "medium",
+        caught_by: MATERIALS,
     },
     Mutant {
         name: "splat-not-divided-by-light-paths",
@@ -120,7 +135,7 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "adjoint-factor-dropped",
         file: "bindings/vertex.wgsl",
-        find: "weight *= adjoint_factor(surface.ng, surface.ns, vertex.wo, scattered.wi);",
+        find: "weight *= adjoint_factor(frame_of(surface), vertex.wo, scattered.wi);",
         replace: "weight *= 1.0;",
         caught_by: SHADING_NORMALS,
     },

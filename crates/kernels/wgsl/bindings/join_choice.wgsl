@@ -26,10 +26,12 @@ fn evaluate_join(path: Path, vertex: Vertex, stored: LightVertex, y: JoinVertex)
     }
     let distance = sqrt(distance_squared);
     let wi = between / distance;
-    let f_z = bsdf_eval(vertex.material, vertex.surface.ng, vertex.surface.ns, vertex.wo, wi);
+    let f_z = bsdf_eval(vertex.material, frame_of(vertex.surface), vertex.wo, wi, TRANSPORT_RADIANCE);
     let from_light = light_end_scatter(stored, y, -wi);
     let cosines = abs(dot(vertex.surface.ns, wi)) * light_end_cosine(stored, y, -wi);
-    let contribution = vertex.throughput * f_z * from_light * medium_transmittance(path.medium, distance)
+    let leaving = medium_towards(path.medium, vertex.surface, vertex.material, vertex.wo, wi);
+    let medium = medium_before(leaving, y.surface, y.material, -wi);
+    let contribution = vertex.throughput * f_z * from_light * medium_transmittance(medium, distance)
         * (cosines / distance_squared);
     if (!contributes(contribution)) {
         return Join(contribution, 0.0, wi);

@@ -51,17 +51,3 @@ fn load_hit(id: u32) -> Hit {
 fn store_hit(id: u32, hit: Hit) {
     paths[id * PATH_STRIDE + 4u] = vec4<f32>(hit.t, hit.u, hit.v, bitcast<f32>(hit.triangle));
 }
-
-/// What lies between a path's last vertex and its hit.
-fn segment_transmittance(path: Path, hit: Hit, surface: Surface, material: Material) -> vec3<f32> {
-    let from_inside = material.kind == SURFACE_DIELECTRIC && (material.flags & MATERIAL_THIN) == 0u
-        && dot(surface.ng, path.direction) > 0.0;
-    return medium_transmittance(select(path.medium, surface.material, from_inside), hit.t);
-}
-
-/// The medium after a scattering at a surface towards wi.
-fn medium_after(path: Path, surface: Surface, material: Material, scattered: BsdfSample) -> u32 {
-    let changes = scattered.transmitted && (material.flags & MATERIAL_THIN) == 0u;
-    let entered = select(NONE, surface.material, dot(surface.ng, scattered.wi) < 0.0);
-    return select(path.medium, entered, changes);
-}

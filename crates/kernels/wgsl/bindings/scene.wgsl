@@ -1,10 +1,10 @@
-// The packed scene: materials, lights, triangles' surfaces with their attributes, instances, pre-generated
-// numbers, and what textures are looked up by, all as vec4 in one buffer (a stage has 8).
+// The packed scene: tables of albedos and materials (bindings/material.wgsl), then lights, triangles'
+// surfaces with their attributes, instances, pre-generated numbers, and what textures are looked up by,
+// all as vec4 in one buffer (a stage has 8).
 
 #include "bindings/surfaces.wgsl"
 
 /// vec4 per entry.
-const MATERIAL_STRIDE: u32 = 3u;
 const LIGHT_STRIDE: u32 = 2u;
 
 @group(0) @binding(1) var<storage, read> scene: array<vec4<f32>>;
@@ -22,12 +22,6 @@ struct Light {
     medium: u32,
 }
 
-fn load_material(index: u32) -> Material {
-    let at = index * MATERIAL_STRIDE;
-    let a = scene[at];
-    let b = scene[at + 1u];
-    let c = scene[at + 2u];
-    return Material(a.xyz, bitcast<u32>(a.w), b.xyz, b.w, c.xyz, bitcast<u32>(c.w));
 }
 
 fn load_light(index: u32) -> Light {
@@ -35,6 +29,10 @@ fn load_light(index: u32) -> Light {
     let a = scene[at];
     let b = scene[at + 1u];
     return Light(bitcast<u32>(a.x), a.y, a.z, bitcast<u32>(a.w), b.x, bitcast<u32>(b.y));
+}
+
+fn frame_of(surface: Surface) -> Frame {
+    return Frame(surface.ng, surface.ns, surface.tangent, surface.bitangent_sign);
 }
 
 /// 32 random bits four times for a draw of a path: by hash, or from the table, whose numbers have 24.
@@ -57,13 +55,4 @@ fn pick_light(u: f32) -> u32 {
     let cell = min(u32(scaled), params.n_lights - 1u);
     let light = load_light(cell);
     return alias_pick(cell, scaled - f32(cell), light.threshold, light.alias_entry);
-}
-
-/// What a medium lets through over a distance.
-fn medium_transmittance(medium: u32, distance: f32) -> vec3<f32> {
-    if (medium == NONE) {
-        return vec3<f32>(1.0);
-    }
-    let sigma = load_material(medium).sigma_a;
-    return vec3<f32>(exp_negative(-sigma.x * distance), exp_negative(-sigma.y * distance), exp_negative(-sigma.z * distance));
 }

@@ -21,8 +21,8 @@ fn light_end_scatter(stored: LightVertex, vertex: JoinVertex, wi: vec3<f32>) -> 
         let emits = any(emitted_radiance(vertex.material, dot(vertex.surface.ng, wi)) > vec3<f32>(0.0));
         return select(vec3<f32>(0.0), stored.throughput, emits);
     }
-    let f = bsdf_eval(vertex.material, vertex.surface.ng, vertex.surface.ns, stored.wo, wi);
-    return stored.throughput * f * adjoint_factor(vertex.surface.ng, vertex.surface.ns, stored.wo, wi);
+    let f = bsdf_eval(vertex.material, frame_of(vertex.surface), stored.wo, wi, TRANSPORT_IMPORTANCE);
+    return stored.throughput * f * adjoint_factor(frame_of(vertex.surface), stored.wo, wi);
 }
 
 /// The cosine at a light subpath's end, as it enters the contribution.
@@ -32,7 +32,7 @@ fn light_end_cosine(stored: LightVertex, vertex: JoinVertex, wi: vec3<f32>) -> f
 
 /// Density of a light end's scattering towards wi, per solid angle, with survival.
 fn light_end_pdf(stored: LightVertex, vertex: JoinVertex, from_direction: vec3<f32>, to_direction: vec3<f32>) -> f32 {
-    return vertex.survival * bsdf_pdf(vertex.material, vertex.surface.ng, vertex.surface.ns, from_direction, to_direction);
+    return vertex.survival * bsdf_pdf(vertex.material, frame_of(vertex.surface), from_direction, to_direction);
 }
 
 fn emission_pdf_towards(vertex: JoinVertex, wi: vec3<f32>) -> f32 {

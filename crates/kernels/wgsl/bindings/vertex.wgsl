@@ -21,14 +21,15 @@ fn arrive(path: Path, hit: Hit) -> Vertex {
     let material = load_material(surface.material);
     let cos_in = max(abs(dot(surface.ng, path.direction)), 1e-12);
     let state = mis_arrive(config, path.mis, hit.t * hit.t, cos_in);
+    let medium = medium_before(path.medium, surface, material, -path.direction);
     let q = survival(material);
-    return Vertex(surface, material, -path.direction, path.throughput * segment_transmittance(path, hit, surface, material),
+    return Vertex(surface, material, -path.direction, path.throughput * medium_transmittance(medium, hit.t),
         state, q, ending_chance(config, q));
 }
 
 /// Density of a vertex's scattering from one direction into another, per solid angle, with survival.
 fn scatter_pdf(vertex: Vertex, from_direction: vec3<f32>, to_direction: vec3<f32>) -> f32 {
-    return vertex.survival * bsdf_pdf(vertex.material, vertex.surface.ng, vertex.surface.ns, from_direction, to_direction);
+    return vertex.survival * bsdf_pdf(vertex.material, frame_of(vertex.surface), from_direction, to_direction);
 }
 
 /// The geometric normal on a direction's side.
@@ -45,7 +46,7 @@ fn scatter_numbers(path: Path, stream: u32) -> vec4<f32> {
 /// sampled. `factor`: c of the strategy that ends at the vertex before (lib/mis.wgsl).
 fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> Path {
     let surface = vertex.surface;
-    let scattered = bsdf_sample(vertex.material, surface.ng, surface.ns, vertex.wo, u, mode);
+    let scattered = bsdf_sample(vertex.material, frame_of(surface), vertex.wo, u, mode);
     var next = path;
     next.throughput = vec3<f32>(0.0);
     if (scattered.pdf <= 0.0) {
@@ -55,7 +56,7 @@ fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> 
     let cos_out = abs(dot(surface.ng, scattered.wi));
     var weight = scattered.weight / vertex.survival; // > 0: roulette spared the path
     if (mode == TRANSPORT_IMPORTANCE) {
-        weight *= adjoint_factor(surface.ng, surface.ns, vertex.wo, scattered.wi);
+        weight *= adjoint_factor(frame_of(surface), vertex.wo, scattered.wi);
     }
     if (scattered.is_delta) {
         next.mis = mis_scatter_delta(config, vertex.mis, cos_out, vertex.ending);
@@ -68,6 +69,6 @@ fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> 
     next.origin = offset_origin(surface.position, normal_towards(surface, scattered.wi));
     next.direction = scattered.wi;
     next.depth = path.depth + 1u;
-    next.medium = medium_after(path, surface, vertex.material, scattered);
+    next.medium = medium_towards(path.medium, surface, vertex.material, vertex.wo, scattered.wi);
     return next;
 }

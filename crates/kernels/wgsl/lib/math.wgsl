@@ -49,6 +49,29 @@ fn exp_negative(x: f32) -> f32 {
     return p * scale;
 }
 
+/// (cos, sin) of u turns, u in [0, 1]: by octants about the nearest quarter turn.
+fn cos_sin_turn(u: f32) -> vec2<f32> {
+    let quarter = floor(4.0 * u + 0.5);
+    let x = (u - 0.25 * quarter) * (2.0 * PI); // |x| <= π/4
+    let c = cos_quarter(x);
+    let s = sin_quarter(x);
+    let turned = select(vec2<f32>(c, s), vec2<f32>(-s, c), (u32(quarter) & 1u) != 0u);
+    return select(turned, -turned, (u32(quarter) & 2u) != 0u);
+}
+
+/// x^y for x in (0, 1] and y >= 0, relative error below 1e-6 (1 + y |ln x|): ln by the series of
+/// atanh about the nearest power of 2.
+fn pow_unit(x: f32, y: f32) -> f32 {
+    let bits = bitcast<u32>(x);
+    let upper = (bits & 0x7fffffu) > 0x3504f3u; // mantissa over √2
+    let mantissa = bitcast<f32>((bits & 0x7fffffu) | select(0x3f800000u, 0x3f000000u, upper));
+    let exponent = f32(i32(bits >> 23u) - 127 + select(0, 1, upper));
+    let z = (mantissa - 1.0) / (mantissa + 1.0); // |z| < 0.172
+    let z2 = z * z;
+    let ln = 2.0 * z * (1.0 + z2 * (0.333333333 + z2 * (0.2 + z2 * (0.142857143 + z2 * 0.111111111))));
+    return exp_negative(min(y * (exponent * 0.693147181 + ln), 0.0));
+}
+
 /// 1 / d with zeros replaced by a huge finite number of the same sign, so that slab tests meet no
 /// 0 * infinity.
 fn safe_inverse(d: vec3<f32>) -> vec3<f32> {

@@ -1,7 +1,23 @@
-// Probe: lib/bsdf.wgsl, each kind of surface in turn. In: numbers in [0, 1), directions of the
-// normals and of wo, a colour.
+// Probe: lib/bsdf*.wgsl, each kind of surface in turn, smooth and rough, solid and thin. In: numbers
+// in [0, 1), directions of the normals and of wo, a colour.
 
 #include "bindings/probe.wgsl"
+
+/// Curves of about the size of those in the tables.
+fn probe_albedos() -> Albedos {
+    let loss = Curve(vec4<f32>(0.4, -0.5, 0.2, 0.0), vec4<f32>(0.0));
+    return Albedos(loss, Curve(vec4<f32>(0.3, -0.2, 0.0, 0.0), vec4<f32>(0.0)), loss);
+}
+
+fn probe_material(index: u32, u: vec4<f32>, colour: vec4<f32>) -> Material {
+    let kind = index % 6u;
+    let roughness = select(vec2<f32>(0.0), 0.2 + 0.6 * u.yw, (index / 6u) % 2u == 1u);
+    let flags = MATERIAL_COMPLEX * ((index / 12u) % 2u) + MATERIAL_INSIDE * ((index / 24u) % 2u)
+        + MATERIAL_NONLINEAR * ((index / 12u) % 2u) + MATERIAL_SQUARED * ((index / 48u) % 2u);
+    let raw = RawMaterial(kind, flags, colour.xyz, vec3<f32>(1.0), 1.1 + colour.w, colour.zyx, 0.8, roughness, 0.4, 0.5,
+        vec4<f32>(0.3, 0.5, 0.2, 0.7), vec3<f32>(0.6, 0.4, 0.3), vec2<f32>(0.8, 0.6));
+    return finish_material(raw, probe_albedos());
+}
 
 @compute @workgroup_size(64)
 fn probe_bsdf(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -12,12 +28,12 @@ fn probe_bsdf(@builtin(global_invocation_id) id: vec3<u32>) {
     let ng = probe_unit(probe_input(id.x, 1u).xyz);
     let tilted = normalize(ng + 0.2 * sin_quarter(0.5) * probe_input(id.x, 2u).xyz / (1.0 + length(probe_input(id.x, 2u).xyz)));
     let wo = probe_unit(probe_input(id.x, 2u).xyz);
-    let colour = fract(abs(probe_input(id.x, 3u)));
-    let material = Material(colour.xyz, id.x % 3u, vec3<f32>(1.0), 1.1 + colour.w, vec3<f32>(0.0), (id.x / 3u) % 4u);
-    let mode = (id.x / 12u) % 2u;
-    let sampled = bsdf_sample(material, ng, tilted, wo, u.xyz, mode);
+    let frame = Frame(ng, tilted, frame_from_normal(tilted)[1], 1.0);
+    let material = probe_material(id.x, u, fract(abs(probe_input(id.x, 3u))));
+    let mode = (id.x / 7u) % 2u;
+    let sampled = bsdf_sample(material, frame, wo, u.xyz, mode);
     probe_output(id.x, 0u, vec4<f32>(sampled.wi, sampled.pdf));
     probe_output(id.x, 1u, vec4<f32>(sampled.weight, f32(sampled.is_delta) + 2.0 * f32(sampled.transmitted)));
-    probe_output(id.x, 2u, vec4<f32>(bsdf_eval(material, ng, tilted, wo, sampled.wi), bsdf_pdf(material, ng, tilted, wo, sampled.wi)));
-    probe_output(id.x, 3u, vec4<f32>(survival(material), adjoint_factor(ng, tilted, wo, sampled.wi), fresnel_dielectric(u.w, material.ior)));
+    probe_output(id.x, 2u, vec4<f32>(bsdf_eval(material, frame, wo, sampled.wi, mode), bsdf_pdf(material, frame, wo, sampled.wi)));
+    probe_output(id.x, 3u, vec4<f32>(survival(material), adjoint_factor(frame, wo, sampled.wi), fresnel_dielectric(u.w, material.ior)));
 }

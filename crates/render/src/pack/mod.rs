@@ -14,7 +14,7 @@ use midway_scene::{Camera, Scene};
 use self::{
     geometry::{pack_surfaces, pack_triangles},
     lights::pack_lights,
-    materials::pack_material,
+    materials::{albedo_tables, pack_material},
     slots::pack_slots,
     textures::{PackedImages, TextureTable, srgb_table},
 };
@@ -30,7 +30,7 @@ pub struct PackedScene {
     pub nodes: Vec<Word4>,
     /// Leaf slots (`triangles` in WGSL).
     pub triangles: Vec<Word4>,
-    /// Materials, lights, surfaces, instances, random numbers (`scene` in WGSL).
+    /// Tables of albedos, materials, lights, surfaces, instances, random numbers (`scene` in WGSL).
     pub scene: Vec<Word4>,
     /// Where lights start in `scene`, in vec4.
     pub lights_at: u32,
@@ -74,7 +74,7 @@ impl PackedScene {
         let media = MediumFinder { two_level: &two_level, positions: &positions, world: &world };
         let images = PackedImages::new(&scene.images)?;
         let mut textures = TextureTable::default();
-        let mut words = Vec::new();
+        let mut words = albedo_tables();
         let mut slots = Vec::new();
         for material in &scene.materials {
             let (record, flags) = pack_slots(material, &images, &mut textures);

@@ -1,0 +1,115 @@
+// Materials' records in `scene`, behind the tables of albedos (lib/albedo.wgsl) that it starts with.
+
+/// vec4 of a record: colour, kind; emission, index of refraction; absorption, flags; specular colour,
+/// specular; roughness along and across, metallic, transmission; η or sheen's colour and roughness;
+/// k or coat, its roughness, anisotropy, and the sine of its rotation, which is within a quarter turn.
+const MATERIAL_STRIDE: u32 = 7u;
+/// Where records start, in vec4.
+const MATERIALS_AT: u32 = ALBEDO_SIZE;
+
+fn material_at(index: u32) -> u32 {
+    return MATERIALS_AT + index * MATERIAL_STRIDE;
+}
+
+/// A record as the scene has it.
+fn load_raw_material(index: u32) -> RawMaterial {
+    let at = material_at(index);
+    let a = scene[at];
+    let b = scene[at + 1u];
+    let flags = bitcast<u32>(scene[at + 2u].w);
+    let kind = bitcast<u32>(a.w);
+    if (kind == SURFACE_DIFFUSE) {
+        return RawMaterial(kind, flags, a.xyz, b.xyz, b.w, vec3<f32>(0.0), 0.0, vec2<f32>(0.0), 0.0, 0.0, vec4<f32>(0.0),
+            vec3<f32>(0.0), vec2<f32>(1.0, 0.0));
+    }
+    let d = scene[at + 3u];
+    let e = scene[at + 4u];
+    let f = scene[at + 5u];
+    let g = scene[at + 6u];
+    let rotation = vec2<f32>(sqrt(max(1.0 - g.w * g.w, 0.0)), g.w);
+    return RawMaterial(kind, flags, a.xyz, b.xyz, b.w, d.xyz, d.w, e.xy, e.z, e.w, f, g.xyz, rotation);
+}
+
+/// A material with all that follows from its record.
+fn load_material(index: u32) -> Material {
+    let raw = load_raw_material(index);
+    return finish_material(raw, load_albedos(raw));
+}
+
+/// The curves that `finish_material` asks for.
+fn load_albedos(raw: RawMaterial) -> Albedos {
+    var albedos = Albedos(no_curve(), no_curve(), no_curve());
+    if (!needs_albedos(raw)) {
+        return albedos;
+    }
+    if (raw.kind == SURFACE_METALLIC_ROUGHNESS && max3(raw.eta_or_sheen.xyz) > 0.0) {
+        albedos.sheen = load_alpha_curve(CURVE_SHEEN, sheen_alpha(raw));
+    }
+    let alpha = mean_alpha(interface_alpha(raw));
+    if (alpha == 0.0) {
+        return albedos;
+    }
+    if (needs_dielectric_losses(raw)) {
+        albedos.a = load_index_curve(select(CURVE_DENSE_LOSS, CURVE_RARE_LOSS, raw.ior > 1.0), alpha, raw.ior);
+        albedos.b = load_index_curve(select(CURVE_RARE_LOSS, CURVE_DENSE_LOSS, raw.ior > 1.0), alpha, raw.ior);
+        return albedos;
+    }
+    albedos.a = load_alpha_curve(CURVE_LOSS, alpha);
+    if (raw.kind == SURFACE_PLASTIC) {
+        albedos.b = load_index_curve(CURVE_RARE_REFLECTED, alpha, raw.ior);
+    } else {
+        albedos.b = load_alpha_curve(CURVE_GRAZING, alpha);
+    }
+    return albedos;
+}
+
+fn load_curve(at: u32) -> Curve {
+    return Curve(scene[at], scene[at + 1u]);
+}
+
+/// A curve of the first table, between its entries.
+fn load_alpha_curve(curve: u32, alpha: f32) -> Curve {
+    let place = alpha_place(alpha);
+    let entry = min(u32(place), ALBEDO_ALPHAS - 2u);
+    let at = (entry * N_ALPHA_CURVES + curve) * 2u;
+    return blend_curves(load_curve(at), load_curve(at + N_ALPHA_CURVES * 2u), place - f32(entry));
+}
+
+/// A curve of the second.
+fn load_index_curve(curve: u32, alpha: f32, ior: f32) -> Curve {
+    let place = index_place(ior);
+    let entry = min(u32(place), ALBEDO_INDICES - 2u);
+    let row = ALBEDO_ALPHAS * N_INDEX_CURVES * 2u;
+    let at = INDEX_CURVES_AT + entry * row;
+    return blend_curves(load_index_row(at, curve, alpha), load_index_row(at + row, curve, alpha), place - f32(entry));
+}
+
+fn load_index_row(row_at: u32, curve: u32, alpha: f32) -> Curve {
+    let place = alpha_place(alpha);
+    let entry = min(u32(place), ALBEDO_ALPHAS - 2u);
+    let at = row_at + (entry * N_INDEX_CURVES + curve) * 2u;
+    return blend_curves(load_curve(at), load_curve(at + N_INDEX_CURVES * 2u), place - f32(entry));
+}
+
+/// What a medium lets through over a distance.
+fn medium_transmittance(medium: u32, distance: f32) -> vec3<f32> {
+    if (medium == NONE) {
+        return vec3<f32>(1.0);
+    }
+    let sigma = scene[material_at(medium) + 2u].xyz;
+    return vec3<f32>(exp_negative(-sigma.x * distance), exp_negative(-sigma.y * distance), exp_negative(-sigma.z * distance));
+}
+
+/// The medium of a segment that starts in one and ends at a surface, `towards_start` pointing back:
+/// the surface's own where the segment arrives from its inside.
+fn medium_before(medium: u32, surface: Surface, material: Material, towards_start: vec3<f32>) -> u32 {
+    let from_inside = bends(material) && dot(surface.ng, towards_start) < 0.0;
+    return select(medium, surface.material, from_inside);
+}
+
+/// The medium that a direction leads into from a surface reached from wo through `medium`.
+fn medium_towards(medium: u32, surface: Surface, material: Material, wo: vec3<f32>, wi: vec3<f32>) -> u32 {
+    let cos_i = dot(surface.ng, wi);
+    let crosses = bends(material) && cos_i * dot(surface.ng, wo) < 0.0;
+    return select(medium, select(NONE, surface.material, cos_i < 0.0), crosses);
+}

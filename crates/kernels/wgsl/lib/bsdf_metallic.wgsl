@@ -1,0 +1,88 @@
+// glTF 2.0's metallic-roughness model with KHR_materials_specular, _ior, _transmission, _volume,
+// _clearcoat, _sheen and _anisotropy. From the top:
+//
+// Coat: index 1.5 (F0 0.04, Schlick), strength c, GGX of its own roughness, a delta lobe where smooth.
+// Sheen: lib/sheen.wgsl. Interface: GGX, F from mix(F0, base colour, metallic) to mix(specular, 1,
+// metallic), F0 = ((n - 1) / (n + 1))² specular colour, times specular; what it transmits,
+// (1 - F) base colour, bends where solid and goes on as if mirrored where thin. Base: diffuse.
+//
+// glTF's own layering goes by wo alone; these are reciprocal:
+//   diffuse: ρ T(wo) T(wi) / (π T_mean), T = what all layers let through (Ashikhmin and Shirley
+//     2000, with albedos in place of Schlick's F): white loses nothing;
+//   interface and its multiple bounces: times min(S(wo), S(wi)), S = (1 - c F)(1 - max sheen E_sheen)
+//     of coat and sheen: white loses what a direction more oblique than wo finds covered.
+// Limits: the coat is as bright as a smooth one when it covers; sheen and coat cover the front of a
+// solid alone; a solid has no diffuse base from within, and as a metal no multiple bounces.
+
+/// Curves: a the loss of a mirror, b its CURVE_GRAZING; solid, a the loss at the front and b at the
+/// back.
+fn finish_metallic(raw: RawMaterial, plain: Material) -> Material {
+    var material = plain;
+    let rim = (raw.ior - 1.0) / (raw.ior + 1.0);
+    let dielectric = 1.0 - raw.metallic;
+    material.base_f0 = min(rim * rim * raw.specular_color, vec3<f32>(1.0)) * raw.specular;
+    material.base_f90 = raw.specular;
+    material.f0 = mix(material.base_f0, raw.color, vec3<f32>(raw.metallic));
+    material.f90 = vec3<f32>(mix(raw.specular, 1.0, raw.metallic));
+    material.transmit = raw.color * (raw.transmission * dielectric);
+    material.coat = raw.k_or_coat.x;
+    material.coat_alpha = ggx_alpha(vec2<f32>(raw.k_or_coat.y), true).x;
+    material.sheen = raw.eta_or_sheen.xyz;
+    material.sheen_alpha = sheen_alpha(raw);
+    if (!is_smooth(material)) {
+        material = metallic_bounces(raw, material);
+    }
+    let diffuse = raw.color * (dielectric * (1.0 - raw.transmission));
+    material.reflectance = diffuse * INV_PI / max(metallic_through_mean(material), vec3<f32>(1e-4));
+    material.albedo = max(max(max3(raw.color), max3(material.base_f0)), max(max3(material.sheen), 0.25));
+    let has_density = max3(diffuse) > 0.0 || max3(material.sheen) > 0.0 || (material.coat > 0.0 && material.coat_alpha > 0.0);
+    if (has_density) {
+        material.flags |= MATERIAL_CONNECTIBLE;
+    }
+    return material;
+}
+
+/// The factors of multiple bounces at a rough interface.
+fn metallic_bounces(raw: RawMaterial, plain: Material) -> Material {
+    var material = plain;
+    let dielectric = 1.0 - raw.metallic;
+    let transmits = dielectric * raw.transmission;
+    if (bends(material)) {
+        return solid_bounces(material, dielectric_mean(max(raw.ior, 1.0 / raw.ior)), transmits);
+    }
+    let loss = curve_mean(material.curves.a);
+    let mean = fresnel_schlick_mean(material.base_f0, vec3<f32>(material.base_f90));
+    let metal = multiple_bounces(fresnel_schlick_mean(raw.color, vec3<f32>(1.0)), loss);
+    material.base_ms = multiple_bounces(mean, loss);
+    material.ms_front = (raw.metallic * metal + (dielectric - transmits) * material.base_ms) * (INV_PI / loss);
+    return thin_bounces(material, mean, transmits);
+}
+
+/// What the coat and the sheen let through, at a cosine.
+fn metallic_layers(material: Material, mu: f32) -> f32 {
+    return coat_through(material, mu) * (1.0 - max3(material.sheen) * curve_at(material.curves.sheen, mu));
+}
+
+fn coat_through(material: Material, mu: f32) -> f32 {
+    return 1.0 - material.coat * fresnel_schlick(vec3<f32>(0.04), mu).x;
+}
+
+/// What reaches the base, at a cosine.
+fn metallic_through(material: Material, mu: f32) -> vec3<f32> {
+    let f90 = vec3<f32>(material.base_f90);
+    var reflected = fresnel_schlick_to(material.base_f0, f90, mu);
+    if (!is_smooth(material) && !bends(material)) {
+        let loss = curve_at(material.curves.a, mu);
+        let grazing = curve_at(material.curves.b, mu);
+        reflected = material.base_f0 * (1.0 - loss - grazing) + f90 * grazing + material.base_ms * loss;
+    }
+    return metallic_layers(material, mu) * max(vec3<f32>(1.0) - reflected, vec3<f32>(0.0));
+}
+
+/// Its mean over the hemisphere, weighted by the cosine, by Gauss and Legendre's rule in the square
+/// of the cosine (4 points).
+fn metallic_through_mean(material: Material) -> vec3<f32> {
+    let outer = metallic_through(material, sqrt(0.0694318442)) + metallic_through(material, sqrt(0.930568156));
+    let inner = metallic_through(material, sqrt(0.330009478)) + metallic_through(material, sqrt(0.669990522));
+    return 0.173927423 * outer + 0.326072577 * inner;
+}

@@ -1,0 +1,37 @@
+// A diffuse base under a dielectric coat, as Mitsuba's `plastic` (smooth) and `roughplastic` (GGX).
+//
+// The coat reflects F D G₂ / (4 cos cos), tinted, with the multiple bounces of a mirror of its mean
+// reflectance (a delta lobe where smooth). The base is f = ρ T(wo) T(wi) / (π n² (1 - ρ' F_in)),
+// T = 1 - the coat's albedo, F_in the diffuse reflectance of the coat from within: n² (1 - F_in) =
+// mean T; ρ' = ρ where `nonlinear`, else 1. White is lossless. Limits: none of the tint goes into T.
+
+/// Curves: a the loss of a mirror, b the albedo of the coat's single scattering.
+fn finish_plastic(raw: RawMaterial, plain: Material) -> Material {
+    var material = plain;
+    material.flags |= MATERIAL_CONNECTIBLE;
+    material.reflect = raw.specular_color;
+    let mean = vec3<f32>(dielectric_mean(max(raw.ior, 1.0 / raw.ior)));
+    var through = 1.0 - mean.x;
+    if (!is_smooth(material)) {
+        let loss = curve_mean(material.curves.a);
+        material.base_ms = multiple_bounces(mean, loss);
+        material.ms_front = raw.specular_color * material.base_ms * (INV_PI / loss);
+        through = 1.0 - curve_mean(material.curves.b) - material.base_ms.x * loss;
+        material.ms_back = material.ms_front;
+    }
+    let n2 = raw.ior * raw.ior;
+    let inside = 1.0 - through / n2;
+    let again = select(vec3<f32>(1.0), raw.color, (raw.flags & MATERIAL_NONLINEAR) != 0u);
+    material.reflectance = raw.color * INV_PI / (n2 * max(vec3<f32>(1.0) - again * inside, vec3<f32>(1e-4)));
+    material.albedo = max(max3(raw.color), 0.25);
+    return material;
+}
+
+/// What the coat lets through.
+fn plastic_through(material: Material, mu: f32) -> vec3<f32> {
+    if (is_smooth(material)) {
+        return vec3<f32>(1.0 - fresnel_dielectric(mu, material.ior).x);
+    }
+    let coat = curve_at(material.curves.b, mu) + material.base_ms.x * curve_at(material.curves.a, mu);
+    return vec3<f32>(max(1.0 - coat, 0.0));
+}

@@ -1,0 +1,178 @@
+// Materials: what a record holds (RawMaterial), and what scattering needs of it at a point
+// (Material). Whatever varies over a surface is multiplied into the raw values; only then
+// `finish_material` derives the rest.
+
+const SURFACE_DIFFUSE: u32 = 0u;
+const SURFACE_CONDUCTOR: u32 = 1u;
+const SURFACE_DIELECTRIC: u32 = 2u;
+const SURFACE_PLASTIC: u32 = 3u;
+const SURFACE_METALLIC_ROUGHNESS: u32 = 4u;
+/// Light goes straight on.
+const SURFACE_NULL: u32 = 5u;
+
+// Material.flags
+const MATERIAL_EMITS_BACK: u32 = 1u;
+/// Light that meets the back is absorbed.
+const MATERIAL_FRONT_ONLY: u32 = 2u;
+/// Has an inside that light travels in: what is transmitted is bent. Else it is thin.
+const MATERIAL_INSIDE: u32 = 4u;
+/// α is the square of the roughness.
+const MATERIAL_SQUARED: u32 = 8u;
+/// A conductor by η + ik, not by F0.
+const MATERIAL_COMPLEX: u32 = 16u;
+/// Plastic: light reflected within takes on the base's colour again.
+const MATERIAL_NONLINEAR: u32 = 32u;
+/// Derived: some of it scatters into a density, not by delta lobes alone.
+const MATERIAL_CONNECTIBLE: u32 = 64u;
+
+/// A record: the scene's values, unchanged.
+struct RawMaterial {
+    kind: u32,
+    flags: u32,
+    /// Reflectance, F0, a conductor's tint, what tints transmission, or the base colour.
+    color: vec3<f32>,
+    /// Emitted radiance.
+    emission: vec3<f32>,
+    /// Inside over outside.
+    ior: f32,
+    /// What tints a dielectric's or a coat's reflection, or KHR_materials_specular's colour.
+    specular_color: vec3<f32>,
+    specular: f32,
+    /// Along the tangent and across it; MATERIAL_SQUARED says whether α is their square.
+    roughness: vec2<f32>,
+    metallic: f32,
+    transmission: f32,
+    /// Complex: η. Metallic-roughness: the sheen's colour and roughness.
+    eta_or_sheen: vec4<f32>,
+    /// Complex: k. Metallic-roughness: clear coat, its roughness, anisotropy.
+    k_or_coat: vec3<f32>,
+    /// The direction of anisotropy in the tangent plane: (cos, sin) of its rotation.
+    rotation: vec2<f32>,
+}
+
+/// The curves that a material needs, see `finish_material` of each kind.
+struct Albedos {
+    a: Curve,
+    b: Curve,
+    sheen: Curve,
+}
+
+/// A surface at a point.
+struct Material {
+    /// Diffuse: albedo. Else the factor of the base under its layers, T(wo) T(wi) left out.
+    reflectance: vec3<f32>,
+    kind: u32,
+    emission: vec3<f32>,
+    ior: f32,
+    flags: u32,
+    /// Bound of the albedo: what roulette goes by.
+    albedo: f32,
+    /// GGX of the interface; 0 where smooth.
+    alpha: vec2<f32>,
+    /// F0 (or η), F90 (or k).
+    f0: vec3<f32>,
+    f90: vec3<f32>,
+    /// Multiply what the interface reflects and transmits.
+    reflect: vec3<f32>,
+    transmit: vec3<f32>,
+    /// Factors of loss(wo) loss(wi): reflection at the front and at the back, transmission.
+    ms_front: vec3<f32>,
+    ms_back: vec3<f32>,
+    ms_transmit: vec3<f32>,
+    /// F0, F90 and the colour of multiple bounces, of the dielectric over the base alone.
+    base_f0: vec3<f32>,
+    base_f90: f32,
+    base_ms: vec3<f32>,
+    coat: f32,
+    coat_alpha: f32,
+    sheen_alpha: f32,
+    sheen: vec3<f32>,
+    rotation: vec2<f32>,
+    curves: Albedos,
+}
+
+/// Where directions stand at a point: unit normals, geometric and shading (in ng's hemisphere), and
+/// a direction along the surface that anisotropy follows, not parallel to ns.
+struct Frame {
+    ng: vec3<f32>,
+    ns: vec3<f32>,
+    tangent: vec3<f32>,
+    /// The bitangent is bitangent_sign · cross(ns, tangent).
+    bitangent_sign: f32,
+}
+
+/// α of a roughness along and across; 0 and 0 for a smooth surface.
+fn ggx_alpha(roughness: vec2<f32>, squared: bool) -> vec2<f32> {
+    let alpha = min(select(roughness, roughness * roughness, squared), vec2<f32>(1.0));
+    let smooth_surface = max(alpha.x, alpha.y) < MIN_ALPHA;
+    return select(max(alpha, vec2<f32>(MIN_ALPHA)), vec2<f32>(0.0), smooth_surface);
+}
+
+/// α of the interface.
+fn interface_alpha(raw: RawMaterial) -> vec2<f32> {
+    let alpha = ggx_alpha(raw.roughness, (raw.flags & MATERIAL_SQUARED) != 0u);
+    // KHR_materials_anisotropy: α along is mix(α, 1, anisotropy²).
+    let stretched = vec2<f32>(mix(alpha.x, 1.0, raw.k_or_coat.z * raw.k_or_coat.z), max(alpha.y, MIN_ALPHA));
+    let is_stretched = raw.kind == SURFACE_METALLIC_ROUGHNESS && raw.k_or_coat.z > 0.0;
+    return select(alpha, stretched, is_stretched);
+}
+
+/// α of the isotropic surface whose albedo stands for an anisotropic one's: their mean, a few
+/// hundredths off where one is five times the other.
+fn mean_alpha(alpha: vec2<f32>) -> f32 {
+    return 0.5 * (alpha.x + alpha.y);
+}
+
+fn sheen_alpha(raw: RawMaterial) -> f32 {
+    return clamp(raw.eta_or_sheen.w * raw.eta_or_sheen.w, MIN_SHEEN_ALPHA, 1.0);
+}
+
+/// Whether any curve is read.
+fn needs_albedos(raw: RawMaterial) -> bool {
+    return raw.kind != SURFACE_DIFFUSE && raw.kind != SURFACE_NULL;
+}
+
+/// Whether the curves of a solid dielectric are (a: loss at the front, b: at the back), in place of
+/// those of a mirror (a: loss; b: reflection of the coat for plastic, else CURVE_GRAZING).
+fn needs_dielectric_losses(raw: RawMaterial) -> bool {
+    return (raw.flags & MATERIAL_INSIDE) != 0u;
+}
+
+fn is_smooth(material: Material) -> bool {
+    return material.alpha.x == 0.0;
+}
+
+/// Whether what it transmits is bent, into an inside.
+fn bends(material: Material) -> bool {
+    return (material.flags & MATERIAL_INSIDE) != 0u;
+}
+
+/// A material with nothing but what all kinds have.
+fn plain_material(raw: RawMaterial) -> Material {
+    let zero = vec3<f32>(0.0);
+    return Material(raw.color, raw.kind, raw.emission, raw.ior, raw.flags | MATERIAL_CONNECTIBLE, max3(raw.color), vec2<f32>(0.0),
+        zero, zero, zero, zero, zero, zero, zero, zero, 0.0, zero, 0.0, 0.0, 0.0, zero, raw.rotation,
+        Albedos(no_curve(), no_curve(), no_curve()));
+}
+
+/// Everything that follows from a record, with the curves for its α and index.
+fn finish_material(raw: RawMaterial, curves: Albedos) -> Material {
+    var material = plain_material(raw);
+    if (raw.kind == SURFACE_DIFFUSE) {
+        return material;
+    }
+    material.flags = raw.flags;
+    material.alpha = interface_alpha(raw);
+    material.curves = curves;
+    material.reflect = vec3<f32>(1.0);
+    if (!is_smooth(material)) {
+        material.flags |= MATERIAL_CONNECTIBLE;
+    }
+    switch raw.kind {
+        case SURFACE_CONDUCTOR: { return finish_conductor(raw, material); }
+        case SURFACE_DIELECTRIC: { return finish_dielectric(raw, material); }
+        case SURFACE_PLASTIC: { return finish_plastic(raw, material); }
+        case SURFACE_METALLIC_ROUGHNESS: { return finish_metallic(raw, material); }
+        default: { return material; }
+    }
+}

@@ -1,0 +1,49 @@
+//! The tables of albedos: that they are what the definitions give.
+
+use midway_kernels::{ALBEDO_TABLES, constants as k};
+use midway_tests::albedo::{self, Curve, TERMS};
+
+/// The test computes one entry of so many: all of them take 20 s.
+const EVERY: usize = 17;
+
+fn stored() -> Vec<Curve> {
+    let (floats, rest) = ALBEDO_TABLES.as_chunks::<4>();
+    assert!(rest.is_empty() && floats.len() == 4 * k::ALBEDO_SIZE as usize);
+    let values: Vec<f64> = floats.iter().map(|&b| f64::from(f32::from_le_bytes(b))).collect();
+    values.as_chunks::<TERMS>().0.to_vec()
+}
+
+/// `MIDWAY_WRITE_TABLES=1` writes them anew.
+#[test]
+fn tables_are_those_of_the_definitions() {
+    if std::env::var("MIDWAY_WRITE_TABLES").as_deref() == Ok("1") {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/kernels/src/albedo.bin");
+        std::fs::write(path, albedo::bytes(&albedo::tables(1))).expect("the tables are written");
+        return;
+    }
+    let computed = albedo::tables(EVERY);
+    let stored = stored();
+    let groups = stored.chunks(3).step_by(EVERY).flatten();
+    assert_eq!(groups.clone().count(), computed.len());
+    for (i, (stored, computed)) in groups.zip(&computed).enumerate() {
+        for mu in [0.0, 0.05, 0.2, 0.5, 1.0] {
+            let error = (albedo::at(stored, mu) - albedo::at(computed, mu)).abs();
+            assert!(error <= 1e-4, "curve {i} at {mu}: off by {error}");
+        }
+    }
+}
+
+/// Curves at cosines they were not fitted at, against quadrature.
+#[test]
+fn curves_are_near_what_they_stand_for() {
+    for alpha in [0.05, 0.3, 0.9] {
+        let entry = f64::from(k::ALBEDO_ALPHAS - 1) * f64::sqrt(alpha);
+        let [low, high] = [entry.floor(), entry.ceil()].map(|entry| stored()[3 * entry as usize]);
+        for mu in [0.05, 0.2, 0.7, 1.0] {
+            let t = entry.fract();
+            let curve = albedo::at(&low, mu) * (1.0 - t) + albedo::at(&high, mu) * t;
+            let loss = 1.0 - albedo::mirror_albedo(alpha, mu, |_| 1.0);
+            assert!((curve - loss).abs() <= 0.012, "α {alpha} at {mu}: {curve}, not {loss}");
+        }
+    }
+}
