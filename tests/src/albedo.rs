@@ -177,7 +177,8 @@ fn fit(value: impl Fn(f64) -> f64) -> Curve {
 /// Gauss's elimination with the largest pivot; the normal equations are not singular.
 fn solve(mut rows: [[f64; TERMS + 1]; TERMS]) -> Curve {
     for column in 0..TERMS {
-        let largest = (column..TERMS).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()));
+        let largest =
+            (column..TERMS).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()));
         rows.swap(column, largest.unwrap_or(column));
         let pivot = rows[column];
         for (index, row) in rows.iter_mut().enumerate() {

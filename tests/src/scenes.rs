@@ -1,10 +1,10 @@
 //! Scenes with known answers: the radiance of each pixel in closed form.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use midway_film::Image;
 use midway_scene::{
-    Channel, ConductorFresnel, Image as Picture, Material, MetallicRoughness, Opacity, Roughness, ScalarInput,
-    Scene, Surface, Texels, Texture,
+    Channel, ConductorFresnel, Filter, Image as Picture, Material, MetallicRoughness, NormalMap, Opacity,
+    Roughness, ScalarInput, Scene, Surface, Texels, Texture,
 };
 
 use crate::{
@@ -44,6 +44,7 @@ pub fn all() -> Vec<Known> {
         closed_sphere_with_an_area_light(),
         facing_squares(),
         facing_squares_through_a_veil(),
+        textured_squares(),
         mirror_box(),
         lamp_in_glass(),
         camera_in_glass(),
@@ -194,7 +195,8 @@ fn rough_surfaces() -> Vec<Surface> {
         tint: Vec3::ONE.into(),
     };
     let brushed = Roughness { along: 0.7.into(), across: 0.4.into(), squared: true };
-    let base = MetallicRoughness { base_color: Vec3::new(0.3, 0.7, 0.9).into(), ..MetallicRoughness::default() };
+    let base =
+        MetallicRoughness { base_color: Vec3::new(0.3, 0.7, 0.9).into(), ..MetallicRoughness::default() };
     let coated = MetallicRoughness {
         roughness: 0.6.into(),
         metallic: 0.3.into(),
@@ -203,7 +205,8 @@ fn rough_surfaces() -> Vec<Surface> {
         anisotropy: 0.5.into(),
         ..base.clone()
     };
-    let velvet = MetallicRoughness { sheen_color: Vec3::ONE.into(), sheen_roughness: 0.6.into(), ..base.clone() };
+    let velvet =
+        MetallicRoughness { sheen_color: Vec3::ONE.into(), sheen_roughness: 0.6.into(), ..base.clone() };
     let wax = MetallicRoughness {
         transmission: 0.8.into(),
         thin: false,
@@ -257,6 +260,42 @@ pub fn facing_squares() -> Known {
     Known::new("facing squares", scene, true, move |x, y| {
         point_to_square(x * HALF, y * HALF, 1.0) as f32 * reflectance * emission
     })
+}
+
+/// Texels along each side of [`textured_squares`]: each covers whole pixels.
+const TEXELS: usize = 4;
+
+/// The facing squares, the one in view of a texture's colours, with a second texture's normals that
+/// stand straight up and a sheet of nothing between the two.
+pub fn textured_squares() -> Known {
+    let mut known = facing_squares();
+    let shade = |i: usize| [0.2, 0.9, 0.5, 0.7, 0.4][i % 5];
+    let texel = |i: usize| [shade(i), shade(i + 1), shade(i + 2), 1.0];
+    let image = |side: usize, texels: Vec<[f32; 4]>| Picture {
+        name: String::new(),
+        width: side as u32,
+        height: side as u32,
+        texels: Texels::Float(texels.into()),
+    };
+    known.scene.images.push(image(TEXELS, (0..TEXELS * TEXELS).map(texel).collect()));
+    known.scene.images.push(image(1, vec![[0.5, 0.5, 1.0, 1.0]]));
+    let floor = &mut known.scene.materials[0];
+    let Surface::Diffuse { reflectance } = &mut floor.surface else {
+        unreachable!("facing squares are diffuse")
+    };
+    reflectance.texture = Some(Texture { filter: Filter::Nearest, ..Texture::new(0) });
+    floor.normal_map = Some(NormalMap { texture: Texture::new(1), scale: 1.0 });
+    known.scene.meshes[0].uvs[0] = vec![Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO];
+    let sheet = Shape::parallelogram(Vec3::new(-1.0, -1.0, 0.5), 2.0 * Vec3::X, 2.0 * Vec3::Y);
+    add(&mut known.scene, sheet, Material::new(Surface::Null));
+    let plain = &known.expected.mean;
+    known.expected.mean = Image::from_fn(SIZE, SIZE, |x, y| {
+        let place = |pixel: usize| pixel * TEXELS / SIZE;
+        let shade = texel(place(y) * TEXELS + place(x));
+        let plain = plain.pixels[y * SIZE + x];
+        [0, 1, 2].map(|c| plain[c] * shade[c])
+    });
+    Known { name: "textured squares", ..known }
 }
 
 /// The facing squares with a black sheet before the lamp that is there by a chance of 0.4, by a texture:

@@ -6,7 +6,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
-#include "bindings/material.wgsl"
+#include "bindings/shaded.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"

@@ -4,7 +4,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
-#include "bindings/material.wgsl"
+#include "bindings/shaded.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
 #include "bindings/light_vertices.wgsl"

@@ -5,7 +5,6 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
-#include "bindings/material.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 

@@ -5,7 +5,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
-#include "bindings/material.wgsl"
+#include "bindings/shaded.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/light_vertices.wgsl"
@@ -27,8 +27,9 @@ fn generate_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let u_direction = random(index, sample, dimension(DRAW_LIGHT + DRAW_EMIT_DIRECTION, 0u));
     let light = load_light(pick_light(u_point.x));
     let uv = sample_triangle(u_point.yz);
-    let surface = load_surface(light.triangle, uv.x, uv.y);
-    let material = load_material(surface.material);
+    let emitter = load_emitter(light.triangle, uv.x, uv.y);
+    let surface = emitter.surface;
+    let material = emitter.material;
     let emits_back = (material.flags & MATERIAL_EMITS_BACK) != 0u;
     let pdf_position = light.pmf / light.area; // area > 0: emissive triangles without area are left out
 

@@ -6,7 +6,7 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
-#include "bindings/material.wgsl"
+#include "bindings/shaded.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
@@ -75,8 +75,9 @@ fn sample_light(path: Path, vertex: Vertex, t: u32) {
     let u = random(path.index, path.sample, dimension(DRAW_NEE, path.depth));
     let light = load_light(pick_light(u.x));
     let uv = sample_triangle(u.yz);
-    let on_light = load_surface(light.triangle, uv.x, uv.y);
-    let emitter = load_material(on_light.material);
+    let shaded = load_emitter(light.triangle, uv.x, uv.y);
+    let on_light = shaded.surface;
+    let emitter = shaded.material;
     let between = on_light.position - vertex.surface.position;
     let distance_squared = dot(between, between);
     if (distance_squared == 0.0) {

@@ -4,7 +4,6 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
-#include "bindings/material.wgsl"
 #include "bindings/geometry.wgsl"
 #include "bindings/opacity.wgsl"
 #include "bindings/paths.wgsl"

@@ -5,7 +5,9 @@ use midway_kernels::native::lib::{self, BsdfSample, Material, RawMaterial};
 use midway_tests::statistics::Estimate;
 use wgsl_cpu::runtime::{Vec2, Vec3};
 
-use crate::support::{Random, assert_near, diffuse, double, frame, glass, mirror, raw, finish, sheet, single};
+use crate::support::{
+    Random, assert_near, diffuse, double, finish, frame, glass, mirror, raw, sheet, single,
+};
 
 /// Fresnel's equations in f64 from angles rather than cosines: reflectance, and transmittance from
 /// its own amplitudes. None at total internal reflection.
@@ -132,7 +134,9 @@ fn eval_is_reciprocal() {
 #[test]
 fn delta_lobes_have_no_eval_and_no_pdf() {
     let mut random = Random::new(43);
-    for material in [mirror([0.9; 3]), glass([0.9; 3], 1.5), sheet([0.9; 3], 1.5), finish(raw(lib::SURFACE_NULL))] {
+    for material in
+        [mirror([0.9; 3]), glass([0.9; 3], 1.5), sheet([0.9; 3], 1.5), finish(raw(lib::SURFACE_NULL))]
+    {
         assert!(!lib::is_connectible(material));
         let place @ [ng, ns, wo] = random_place(&mut random, 0.0);
         let sampled = sample(material, place, &mut random, lib::TRANSPORT_RADIANCE);
@@ -264,11 +268,8 @@ fn adjoint_factor_is_one_without_shading_normals_and_its_own_inverse() {
             1e-6 / [s.dot(o), g.dot(i), g.dot(o), s.dot(i)].map(f64::abs).into_iter().fold(1.0, f64::min);
         assert_near(there / expected, 1.0, tolerance, "definition");
     }
-    let edge_on = lib::adjoint_factor(
-        frame(DVec3::Z, DVec3::Z),
-        Vec3::new(1.0, 0.0, 0.0),
-        Vec3::new(0.0, 0.0, 1.0),
-    );
+    let edge_on =
+        lib::adjoint_factor(frame(DVec3::Z, DVec3::Z), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 0.0, 1.0));
     assert_eq!(edge_on, 0.0, "no 0/0");
 }
 

@@ -43,11 +43,16 @@ fn models_are_reciprocal() {
         for _ in 0..2000 {
             let place = random_frame(&mut random, 0.3);
             let (wo, wi) = (random.direction(), random.direction());
-            let f = |wo, wi, mode| double(lib::bsdf_eval(model.material, place, single(wo), single(wi), mode));
+            let f =
+                |wo, wi, mode| double(lib::bsdf_eval(model.material, place, single(wo), single(wi), mode));
             let [radiance, importance] = MODES.map(|mode| f(wo, wi, mode));
             let reverse = f(wi, wo, lib::TRANSPORT_IMPORTANCE);
             let error = (radiance - reverse).abs().max_element();
-            assert!(error <= 4e-3 * radiance.max_element() + 1e-5, "{}: {radiance} and {reverse}", model.name);
+            assert!(
+                error <= 4e-3 * radiance.max_element() + 1e-5,
+                "{}: {radiance} and {reverse}",
+                model.name
+            );
             let crosses = double(place.ng).dot(wo) * double(place.ng).dot(wi) < 0.0;
             let bends = crosses && lib::bends(model.material);
             let eta = if bends { index_at(&model.material, place, wo) } else { 1.0 };
@@ -115,7 +120,13 @@ fn samples_carry_their_own_density_and_weight() {
     }
 }
 
-fn test_directions(material: Material, sampled: Material, place: Frame, wo: DVec3, random: &mut Random) -> ChiSquare {
+fn test_directions(
+    material: Material,
+    sampled: Material,
+    place: Frame,
+    wo: DVec3,
+    random: &mut Random,
+) -> ChiSquare {
     let sample = || {
         let sampled = lib::bsdf_sample(sampled, place, single(wo), random.unit3(), lib::TRANSPORT_RADIANCE);
         (sampled.pdf > 0.0 && !sampled.is_delta).then(|| double(sampled.wi))

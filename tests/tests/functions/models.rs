@@ -75,7 +75,11 @@ pub fn all() -> Vec<Model> {
         model("half metal", RawMaterial { metallic: 0.5, ..rough(pbr, 0.7, 0.7) }, 0.02),
         Model { gain: 0.03, ..model("brushed", rough(brushed, 0.5, 0.5), 0.15) },
         model("coat 0 on dielectric", coated(rough(pbr, 0.6, 0.6), 1.0, 0.0), 0.05),
-        model("coat 0.5 on metal", coated(RawMaterial { metallic: 1.0, ..rough(pbr, 0.7, 0.7) }, 1.0, 0.5), 0.25),
+        model(
+            "coat 0.5 on metal",
+            coated(RawMaterial { metallic: 1.0, ..rough(pbr, 0.7, 0.7) }, 1.0, 0.5),
+            0.25,
+        ),
         model("velvet", rough(velvet, 0.8, 0.8), 0.05),
         model("thin, roughness 0.6", rough(clear, 0.6, 0.6), 0.02),
         model("half thin", RawMaterial { transmission: 0.5, ..rough(clear, 0.6, 0.6) }, 0.02),

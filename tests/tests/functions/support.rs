@@ -94,7 +94,8 @@ pub fn raw(kind: u32) -> RawMaterial {
 pub fn finish(raw: RawMaterial) -> Material {
     let alpha = lib::mean_alpha(lib::interface_alpha(raw));
     let none = lib::no_curve();
-    let mut albedos = Albedos { a: none, b: none, sheen: alpha_curve(lib::CURVE_SHEEN, lib::sheen_alpha(raw)) };
+    let mut albedos =
+        Albedos { a: none, b: none, sheen: alpha_curve(lib::CURVE_SHEEN, lib::sheen_alpha(raw)) };
     if alpha > 0.0 {
         let [front, back] = if raw.ior > 1.0 {
             [lib::CURVE_RARE_LOSS, lib::CURVE_DENSE_LOSS]
@@ -164,7 +165,12 @@ pub fn sheet(tint: [f32; 3], ior: f32) -> Material {
 
 /// A frame of normals; its tangent is perpendicular to ns.
 pub fn frame(ng: DVec3, ns: DVec3) -> Frame {
-    Frame { ng: single(ng), ns: single(ns), tangent: single(ns.any_orthonormal_vector()), bitangent_sign: 1.0 }
+    Frame {
+        ng: single(ng),
+        ns: single(ns),
+        tangent: single(ns.any_orthonormal_vector()),
+        bitangent_sign: 1.0,
+    }
 }
 
 /// Asserts that two numbers differ by at most `tolerance`; NaN never passes.

@@ -48,7 +48,12 @@ fn integrators_agree_on_every_material() {
             Blocks::of_batches(&estimate(&cpu(), &scene, scenes::SIZE, case, samples), &in_use)
         };
         let expected = blocks(&integrators::path_naive(), AGAINST * SAMPLES);
-        let ends = [integrators::path(), integrators::full(), integrators::single_step(true, true), integrators::light()];
+        let ends = [
+            integrators::path(),
+            integrators::full(),
+            integrators::single_step(true, true),
+            integrators::light(),
+        ];
         // Light paths cannot be seen by way of a delta lobe.
         for case in ends.iter().filter(|case| !smooth || case.settings.integrator != Integrator::Light) {
             let agreement = Agreement::of(&blocks(case, SAMPLES), &expected);

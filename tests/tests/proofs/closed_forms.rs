@@ -75,6 +75,11 @@ fn a_veil_before_the_lamp_takes_its_share() {
 }
 
 #[test]
+fn textures_color_what_they_lie_on() {
+    prove_on_cpu(&scenes::textured_squares());
+}
+
+#[test]
 fn a_box_of_perfect_mirrors_shows_its_lamp_everywhere() {
     prove_on_cpu(&scenes::mirror_box());
 }

@@ -30,12 +30,6 @@ fn load_raw_material(index: u32) -> RawMaterial {
     return RawMaterial(kind, flags, a.xyz, b.xyz, b.w, d.xyz, d.w, e.xy, e.z, e.w, f, g.xyz, rotation);
 }
 
-/// A material with all that follows from its record.
-fn load_material(index: u32) -> Material {
-    let raw = load_raw_material(index);
-    return finish_material(raw, load_albedos(raw));
-}
-
 /// The curves that `finish_material` asks for.
 fn load_albedos(raw: RawMaterial) -> Albedos {
     var albedos = Albedos(no_curve(), no_curve(), no_curve());

@@ -8,8 +8,9 @@ struct JoinVertex {
 }
 
 fn load_join_vertex(stored: LightVertex) -> JoinVertex {
-    let surface = load_surface(stored.triangle, stored.u, stored.v);
-    let material = load_material(surface.material);
+    let shaded = load_shaded(stored.triangle, stored.u, stored.v);
+    let surface = shaded.surface;
+    let material = shaded.material;
     let q = select(survival(material), params.emitter_survival, stored.s == 1u);
     return JoinVertex(surface, material, q, ending_chance(mis_config(), q));
 }

@@ -17,8 +17,9 @@ struct Vertex {
 /// The vertex at which a path's ray arrived; hit.triangle is not NONE.
 fn arrive(path: Path, hit: Hit) -> Vertex {
     let config = mis_config();
-    let surface = load_surface(hit.triangle, hit.u, hit.v);
-    let material = load_material(surface.material);
+    let shaded = load_shaded(hit.triangle, hit.u, hit.v);
+    let surface = shaded.surface;
+    let material = shaded.material;
     let cos_in = max(abs(dot(surface.ng, path.direction)), 1e-12);
     let state = mis_arrive(config, path.mis, hit.t * hit.t, cos_in);
     let medium = medium_before(path.medium, surface, material, -path.direction);

@@ -7,7 +7,7 @@ use midway_accel::TwoLevel;
 use midway_kernels::constants as k;
 use midway_scene::{Mesh, Opacity, PlacedMesh, WorldTriangle};
 
-use super::{Word4, normals::oct_encode, word4};
+use super::{Word4, normals::oct_encode, slots::is_absent, word4};
 use crate::{lights::Lights, world::World};
 
 /// A corner of a triangle may differ from its geometric normal by this much, squared, and the
@@ -20,9 +20,10 @@ const LARGEST_HALF: f32 = 65504.0;
 pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions: &[[Vec3; 3]]) -> Vec<Word4> {
     let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives.len()).sum();
     let mut words = Vec::with_capacity(n_slots * k::TRIANGLE_STRIDE as usize);
-    let kind_of = |mesh: &Mesh| match world.scene().materials[mesh.material as usize].opacity {
-        Opacity::Opaque => k::SLOT_SOLID,
-        Opacity::Mask(..) | Opacity::Blend(_) => k::SLOT_CUTOUT,
+    let kind_of = |mesh: &Mesh| {
+        let material = &world.scene().materials[mesh.material as usize];
+        let solid = material.opacity == Opacity::Opaque && !is_absent(material);
+        if solid { k::SLOT_SOLID } else { k::SLOT_CUTOUT }
     };
     let baked = world.baked().flat_map(|mesh| repeat_n(kind_of(mesh.mesh()), mesh.n_triangles() as usize));
     let baked: Vec<u32> = baked.collect();

@@ -94,9 +94,7 @@ fn record_of(surface: &Surface) -> Record {
             roughness: values(roughness),
             ..Record::default()
         },
-        Surface::MetallicRoughness(model) => {
-            metallic_roughness(model, inside | k::MATERIAL_SQUARED)
-        }
+        Surface::MetallicRoughness(model) => metallic_roughness(model, inside | k::MATERIAL_SQUARED),
         Surface::Null => Record { kind: k::SURFACE_NULL, ior: 1.0, ..Record::default() },
     }
 }

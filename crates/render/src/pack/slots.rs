@@ -33,6 +33,7 @@ pub fn pack_slots(material: &Material, images: &PackedImages, table: &mut Textur
         map.scale
     });
     let (opacity, cutoff, mode) = match &material.opacity {
+        _ if is_absent(material) => (0.0, 0.0, k::OPACITY_BLEND),
         Opacity::Opaque => (1.0, 0.0, k::OPACITY_NONE),
         Opacity::Mask(input, cutoff) => (writer.scalar(k::SLOT_OPACITY, input), *cutoff, k::OPACITY_MASK),
         Opacity::Blend(input) => (writer.scalar(k::SLOT_OPACITY, input), 0.0, k::OPACITY_BLEND),
@@ -47,6 +48,11 @@ pub fn pack_slots(material: &Material, images: &PackedImages, table: &mut Textur
     record.as_flattened_mut()[..writer.words.len()].copy_from_slice(&writer.words);
     record[k::SLOTS_STRIDE as usize - 1] = [scale.to_bits(), opacity.to_bits(), cutoff.to_bits(), mode];
     (record, flags)
+}
+
+/// Whether rays of every kind pass a material everywhere.
+pub fn is_absent(material: &Material) -> bool {
+    material.surface == Surface::Null && !material.is_emissive()
 }
 
 impl Writer<'_> {
