@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 
-use crate::Scene;
+use crate::{PlacedMesh, Scene};
 
 /// An axis-aligned box; inverted (+∞ to -∞) where it holds nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,12 +78,13 @@ impl Bounds {
     }
 }
 
-/// Meshes of more triangles than this, over all their instances, are placed by their box.
+/// Where meshes that are there several times have more triangles than this in all, they are placed by
+/// their boxes.
 const EXACT_BOUNDS_LIMIT: usize = 1 << 22;
 
 impl Scene {
-    /// Around every triangle in the world; empty where there is none. Where a mesh has so many
-    /// instances that to visit each vertex would take long, around their boxes.
+    /// Around every triangle in the world; empty where there is none. Where instances are so many
+    /// that to visit each vertex would take long, around the boxes of meshes that several place.
     ///
     /// # Panics
     ///
@@ -91,31 +92,30 @@ impl Scene {
     pub fn bounds(&self) -> Bounds {
         let mut n_uses = vec![0usize; self.meshes.len()];
         self.instances.iter().for_each(|i| n_uses[i.mesh as usize] += 1);
-        let own: Vec<Bounds> = (0..).zip(&n_uses).map(|(mesh, &n)| self.own_bounds(mesh, n)).collect();
-        let mut bounds = Bounds::EMPTY;
-        for (index, instance) in (0u32..).zip(&self.instances) {
-            let placed = self.placed(index);
-            let n_triangles = placed.n_triangles();
-            let n_uses = n_uses[instance.mesh as usize];
-            bounds = bounds.union(if is_exact(n_triangles as usize, n_uses) {
-                (0..n_triangles).fold(Bounds::EMPTY, |b, t| b.union(Bounds::of_points(&placed.positions(t))))
-            } else {
-                own[instance.mesh as usize].transformed(placed.world_from_mesh())
-            });
-        }
-        bounds
-    }
-
-    /// A mesh's box in its own frame, where its instances are to be placed by it.
-    fn own_bounds(&self, mesh: u32, n_uses: usize) -> Bounds {
-        let alone = self.mesh_alone(mesh);
-        if is_exact(alone.n_triangles() as usize, n_uses) {
-            return Bounds::EMPTY;
-        }
-        (0..alone.n_triangles()).fold(Bounds::EMPTY, |b, t| b.union(Bounds::of_points(&alone.positions(t))))
+        let several = |mesh: usize| n_uses[mesh] > 1;
+        let n_repeated: usize = (0..self.meshes.len())
+            .filter(|&mesh| several(mesh))
+            .map(|mesh| self.meshes[mesh].triangles.len().saturating_mul(n_uses[mesh]))
+            .fold(0, usize::saturating_add);
+        let by_box = |mesh: usize| several(mesh) && n_repeated > EXACT_BOUNDS_LIMIT;
+        let boxes: Vec<Bounds> = (0..self.meshes.len())
+            .map(
+                |mesh| {
+                    if by_box(mesh) { exact_bounds(&self.mesh_alone(mesh as u32)) } else { Bounds::EMPTY }
+                },
+            )
+            .collect();
+        let placed = |index: usize| {
+            let (placed, mesh) = (self.placed(index as u32), self.instances[index].mesh as usize);
+            match by_box(mesh) {
+                true => boxes[mesh].transformed(placed.world_from_mesh()),
+                false => exact_bounds(&placed),
+            }
+        };
+        (0..self.instances.len()).map(placed).fold(Bounds::EMPTY, Bounds::union)
     }
 }
 
-fn is_exact(n_triangles: usize, n_uses: usize) -> bool {
-    n_uses <= 1 || n_triangles.saturating_mul(n_uses) <= EXACT_BOUNDS_LIMIT
+fn exact_bounds(placed: &PlacedMesh<'_>) -> Bounds {
+    (0..placed.n_triangles()).fold(Bounds::EMPTY, |b, t| b.union(Bounds::of_points(&placed.positions(t))))
 }

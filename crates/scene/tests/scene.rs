@@ -122,6 +122,29 @@ fn bounds_and_counts_are_of_the_world() {
     assert!(Scene::default().bounds().is_empty());
 }
 
+/// A million triangles, a million times: what only sums them up must not visit them.
+#[test]
+fn instances_of_large_meshes_are_not_visited() {
+    let mut s = scene();
+    s.meshes[0].triangles = vec![[0, 1, 2]; 1 << 20];
+    let turned = Mat4::from_scale_rotation_translation(
+        vec3(2.0, 1.0, -1.0),
+        Quat::from_rotation_y(0.7),
+        vec3(5.0, 6.0, 7.0),
+    );
+    s.instances = vec![Instance { mesh: 0, world_from_mesh: turned }; 1 << 20];
+    s.validate().unwrap();
+    assert_eq!(s.counts().triangles, 1 << 40);
+    let bounds = s.bounds();
+    for p in [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| turned.transform_point3(p)) {
+        assert!(bounds.contains_point(p));
+    }
+    assert!(bounds.diagonal().length() <= 6.0, "{bounds:?}");
+    s.instances[77].world_from_mesh = Mat4::from_scale(Vec3::splat(3.1e38));
+    s.meshes[0].positions[1].x = 2.0;
+    assert!(s.validate().is_err());
+}
+
 #[test]
 fn hash_follows_content_and_not_names() {
     let original = scene().hash();

@@ -36,11 +36,13 @@ fn scene() -> Scene {
         positions: shape.positions,
         normals: shape.normals,
         triangles: shape.triangles,
+        material: 1,
         ..Mesh::default()
     };
     let plain = Mesh { tangents: vec![], normals: vec![], colors: vec![], ..ball.clone() };
     let mut scene = Scene::default();
     add(&mut scene, Shape::parallelogram(Vec3::ZERO, Vec3::X, Vec3::Y), diffuse(Vec3::ONE, Vec3::ONE));
+    scene.materials.push(diffuse(Vec3::splat(0.5), Vec3::ZERO));
     let instance = |mesh: u32, i: usize| {
         let side = if i % 2 == 1 { -1.0 } else { 1.0 };
         let scale = Vec3::new(0.5 + 0.1 * i as f32, side, 1.5);
