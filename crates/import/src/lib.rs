@@ -17,7 +17,9 @@ mod error;
 mod files;
 mod geometry;
 mod gltf;
+mod images;
 mod obj;
+mod ply;
 mod warning;
 
 use std::path::Path;
@@ -31,7 +33,7 @@ pub use error::{ImportError, Place};
 pub use warning::{Warning, WarningKind};
 
 /// The formats read, for messages and help.
-pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb) and Wavefront OBJ (.obj)";
+pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
 
 /// A scene as read, and what was left out of it.
 #[derive(Clone, Debug)]
@@ -54,6 +56,7 @@ pub fn load(path: &Path) -> Result<Import, ImportError> {
     let mut scene = match extension.as_deref() {
         Some("gltf" | "glb") => gltf::load(path, &mut warnings)?,
         Some("obj") => obj::load(path, &mut warnings)?,
+        Some("ply") => ply::load(path, &mut warnings)?,
         _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, &mut warnings)?,
         _ => return Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
     };
