@@ -38,6 +38,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("png", &["film"]),
     ("image", &["import"]),
     ("basisu", &["import"]),
+    ("draco-core", &["import"]),
     ("clap", &["cli"]),
     ("anyhow", &["cli", "view"]),
 ];
