@@ -32,6 +32,8 @@ pub enum WarningKind {
     MissingFile,
     /// A bad value that was replaced.
     Repaired,
+    /// What breaks the format's rules, where nothing that is rendered depends on it.
+    Invalid,
     /// Something in the file that the scene has no place for.
     Unused,
     /// The file has no camera.

@@ -8,6 +8,7 @@ mod accessors;
 mod attributes;
 mod buffers;
 mod cameras;
+mod check;
 mod container;
 mod draco;
 mod instancing;
@@ -70,6 +71,7 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
     let value = json::parse(path, text)?;
     let root = Json::root(path, &value);
     check_version(&root)?;
+    check::list(&value, warnings);
     check_required_extensions(&root)?;
 
     let mut folder = SceneFolder::of(path)?;
