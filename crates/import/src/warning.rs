@@ -86,6 +86,11 @@ impl Warnings {
         self.list[index].count += 1;
     }
 
+    /// Like [`Warnings::add`], but never one with others: each place counts.
+    pub fn add_apart(&mut self, kind: WarningKind, place: impl Into<String>, message: impl Into<String>) {
+        self.list.push(Warning { kind, place: place.into(), count: 1, message: message.into() });
+    }
+
     /// Like [`Warnings::add`], but not counted again where it is known already.
     pub fn add_once(&mut self, kind: WarningKind, place: impl Into<String>, message: impl Into<String>) {
         let message = message.into();

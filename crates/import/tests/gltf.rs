@@ -226,6 +226,38 @@ fn morph_targets_at_their_weights() {
     assert_eq!(meshes[1].normals, [Vec3::Z; 3]);
 }
 
+/// Faults in what is not used: listed with their place, and the rest is rendered.
+#[test]
+fn faults_elsewhere_are_listed() {
+    let mut document = triangle();
+    document["animations"] = json!([{"channels": [{"sampler": 1, "target": {"path": "scale", "node": 9}}],
+        "samplers": [{"input": 0, "output": "x"}]}]);
+    document["skins"] = json!([{"joints": [0, 7]}, {}]);
+    document["materials"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({"extensions": {"OTHER": {"aTexture": {"index": 0}}}}));
+    document["samplers"] = json!([{"wrapS": 1}]);
+    document["cameras"][0]["perspective"]["zfar"] = json!(-1);
+    let found = import(&document);
+    let invalid = found.warnings.iter().filter(|w| w.kind == WarningKind::Invalid);
+    let mut places: Vec<&str> = invalid.map(|w| w.place.as_str()).collect();
+    places.sort_unstable();
+    assert_eq!(
+        places,
+        [
+            "/animations/0/channels/0/sampler",
+            "/animations/0/channels/0/target/node",
+            "/animations/0/samplers/0/output",
+            "/cameras/0/perspective/zfar",
+            "/materials/1/extensions/OTHER/aTexture/index",
+            "/samplers/0/wrapS",
+            "/skins/0/joints/1",
+            "/skins/1",
+        ]
+    );
+}
+
 #[test]
 fn no_camera_and_no_light() {
     let mut document = triangle_with("/materials/0/emissiveFactor", json!([0, 0, 0]));

@@ -143,14 +143,17 @@ const RULES: &[(&str, Rule)] = &[
 /// Members, of materials or of their extensions, that are references to textures.
 const TEXTURE_SUFFIX: &str = "Texture";
 
-/// Lists every breach, each kind of it once.
+/// Breaches of a rule that are listed one by one; beyond that they are counted.
+const MOST_APART: usize = 16;
+
+/// Lists every breach.
 pub(super) fn list(root: &Value, warnings: &mut Warnings) {
     for (pattern, rule) in RULES {
         let parts: Vec<&str> = pattern.split('/').filter(|part| !part.is_empty()).collect();
-        let mut walk = Walk { root, warnings, trail: vec![root], pointer: String::new() };
+        let mut walk = Walk { root, warnings, trail: vec![root], pointer: String::new(), n_listed: 0 };
         walk.visit(root, &parts, rule);
     }
-    let mut walk = Walk { root, warnings, trail: vec![root], pointer: String::new() };
+    let mut walk = Walk { root, warnings, trail: vec![root], pointer: String::new(), n_listed: 0 };
     if let Some(materials) = root.get("materials") {
         walk.down("materials", materials, |walk| walk.textures(materials, 0));
     }
@@ -162,6 +165,7 @@ struct Walk<'w, 'v> {
     /// From the document to the value that is looked at.
     trail: Vec<&'v Value>,
     pointer: String,
+    n_listed: usize,
 }
 
 impl<'v> Walk<'_, 'v> {
@@ -178,12 +182,21 @@ impl<'v> Walk<'_, 'v> {
     fn visit(&mut self, value: &'v Value, parts: &[&str], rule: &Rule) {
         let Some((first, rest)) = parts.split_first() else {
             if let Err(problem) = self.check(value, rule) {
-                self.warnings.add(WarningKind::Invalid, self.pointer.clone(), problem);
+                self.n_listed += 1;
+                if self.n_listed <= MOST_APART {
+                    self.warnings.add_apart(WarningKind::Invalid, self.pointer.clone(), problem);
+                } else {
+                    self.warnings.add(WarningKind::Invalid, self.pointer.clone(), problem);
+                }
             }
             return;
         };
-        for (key, child) in children(value).filter(|(key, _)| *first == "*" || *first == key.as_str()) {
-            self.down(&key, child, |walk| walk.visit(child, rest, rule));
+        if *first == "*" {
+            for (key, child) in children(value) {
+                self.down(&key, child, |walk| walk.visit(child, rest, rule));
+            }
+        } else if let Some(child) = value.get(first) {
+            self.down(first, child, |walk| walk.visit(child, rest, rule));
         }
     }
 

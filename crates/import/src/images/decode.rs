@@ -142,7 +142,8 @@ fn limits(texels: u64) -> Limits {
     limits
 }
 
-/// All texels. The size in the header has been found acceptable: see [`size`].
+/// All texels, as they are stored: orientation in EXIF and colour profiles do not count, as glTF has
+/// it.
 pub(super) fn decode(bytes: &[u8], extension: Option<&str>) -> Result<Decoded, Problem> {
     let [width, height] = size(bytes, extension)?;
     let format = match Format::of(bytes, extension)? {
@@ -155,7 +156,6 @@ pub(super) fn decode(bytes: &[u8], extension: Option<&str>) -> Result<Decoded, P
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(limits(u64::from(width) * u64::from(height)));
     let mut decoder = reader.into_decoder().map_err(damaged)?;
-    // Camera phones' turned JPEGs are turned by nobody else: not here either.
     decoder.set_limits(limits(u64::from(width) * u64::from(height))).map_err(damaged)?;
     let pixels = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     if format == ImageFormat::Jpeg && !ends_a_jpeg(bytes) {
