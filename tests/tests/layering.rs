@@ -32,10 +32,13 @@ const ROOMS: &[(&str, &[&str])] = &[
 const RESERVED: &[(&str, &[&str])] = &[
     ("wgpu", &["device"]),
     ("naga", &["wgsl-cpu"]),
-    ("rayon", &["device"]),
+    ("rayon", &["device", "import"]),
     ("obvhs", &["accel"]),
     ("exr", &["film"]),
     ("png", &["film"]),
+    ("image", &["import"]),
+    ("basisu", &["import"]),
+    ("draco-core", &["import"]),
     ("clap", &["cli"]),
     ("anyhow", &["cli", "view"]),
 ];

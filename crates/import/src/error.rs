@@ -20,6 +20,16 @@ impl Place {
     pub(crate) fn new(file: &Path, within: impl Into<String>) -> Self {
         Self { file: file.to_owned(), within: within.into() }
     }
+
+    /// For a warning: a JSON pointer alone, a line with its file's name, or the file's name.
+    pub(crate) fn short(&self) -> String {
+        let name = self.file.file_name().unwrap_or_default().to_string_lossy();
+        match self.within.as_str() {
+            "" => name.into_owned(),
+            pointer if pointer.starts_with('/') => pointer.to_owned(),
+            line => format!("{name}:{line}"),
+        }
+    }
 }
 
 impl fmt::Display for Place {

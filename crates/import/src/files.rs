@@ -1,6 +1,7 @@
 //! Reading files, from inside the scene's folder only.
 
 use std::{
+    borrow::Cow,
     collections::HashMap,
     fs, io,
     io::Read,
@@ -78,17 +79,28 @@ impl SceneFolder {
         Ok(Self { root, buffers: HashMap::new() })
     }
 
+    /// Where a file in the folder is, by a relative path that is not percent-encoded.
+    pub fn find(&self, name: &str, place: &Place) -> Result<PathBuf, ImportError> {
+        refuse_scheme(name, place)?;
+        self.resolve(name, place)
+    }
+
+    /// A file in the folder, by a relative path that is not percent-encoded.
+    pub fn read_bytes(&mut self, name: &str, place: &Place) -> Result<Arc<[u8]>, ImportError> {
+        let path = self.find(name, place)?;
+        self.read_once(path)
+    }
+
     /// What a `data:` URI holds, or a file in the folder by a relative URI.
     pub fn read_uri(&mut self, uri: &str, place: &Place) -> Result<Arc<[u8]>, ImportError> {
         if let Some(data) = strip_data_scheme(uri) {
             return decode_data(data, place).map(Into::into);
         }
-        refuse_scheme(uri, place)?;
-        let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| ImportError::Malformed {
-            place: place.clone(),
-            problem: format!("the URI \"{}\" is not UTF-8 once decoded", shortened(uri)),
-        })?;
-        let path = self.resolve(&decoded, place)?;
+        let path = self.resolve(&decode_uri(uri, place)?, place)?;
+        self.read_once(path)
+    }
+
+    fn read_once(&mut self, path: PathBuf) -> Result<Arc<[u8]>, ImportError> {
         if let Some(known) = self.buffers.get(&path) {
             return Ok(known.clone());
         }
@@ -99,8 +111,7 @@ impl SceneFolder {
 
     /// A text file in the folder, by a relative path that is not percent-encoded.
     pub fn read_text(&self, name: &str, place: &Place) -> Result<Vec<u8>, ImportError> {
-        refuse_scheme(name, place)?;
-        let path = self.resolve(name, place)?;
+        let path = self.find(name, place)?;
         read_open(&path, open(&path)?, MAX_TEXT_BYTES)
     }
 
@@ -138,12 +149,27 @@ impl SceneFolder {
     }
 }
 
-fn strip_data_scheme(uri: &str) -> Option<&str> {
+/// The path that a relative URI stands for.
+///
+/// # Errors
+///
+/// [`ImportError`] where it has a scheme, or is not UTF-8.
+pub(crate) fn decode_uri<'u>(uri: &'u str, place: &Place) -> Result<Cow<'u, str>, ImportError> {
+    refuse_scheme(uri, place)?;
+    percent_decode_str(uri).decode_utf8().map_err(|_| ImportError::Malformed {
+        place: place.clone(),
+        problem: format!("the URI \"{}\" is not UTF-8 once decoded", shortened(uri)),
+    })
+}
+
+/// What follows `data:`; none for other URIs.
+pub(crate) fn strip_data_scheme(uri: &str) -> Option<&str> {
     let scheme = uri.get(..5)?;
     scheme.eq_ignore_ascii_case("data:").then(|| &uri[5..])
 }
 
-fn decode_data(data: &str, place: &Place) -> Result<Vec<u8>, ImportError> {
+/// The bytes of a data URI, its scheme removed.
+pub(crate) fn decode_data(data: &str, place: &Place) -> Result<Vec<u8>, ImportError> {
     let malformed = |problem: &str| ImportError::Malformed { place: place.clone(), problem: problem.into() };
     let (header, body) =
         data.split_once(',').ok_or_else(|| malformed("a data URI has no comma before its data"))?;

@@ -17,7 +17,9 @@ mod error;
 mod files;
 mod geometry;
 mod gltf;
+mod images;
 mod obj;
+mod ply;
 mod warning;
 
 use std::path::Path;
@@ -31,7 +33,7 @@ pub use error::{ImportError, Place};
 pub use warning::{Warning, WarningKind};
 
 /// The formats read, for messages and help.
-pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb) and Wavefront OBJ (.obj)";
+pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
 
 /// A scene as read, and what was left out of it.
 #[derive(Clone, Debug)]
@@ -49,16 +51,29 @@ pub struct Import {
 ///
 /// [`ImportError`], one clear line: what is wrong, where, and what to do.
 pub fn load(path: &Path) -> Result<Import, ImportError> {
+    let (scene, warnings) = load_with_warnings(path);
+    Ok(Import { scene: scene?, warnings })
+}
+
+/// Like [`load`], with the warnings that there were before the error where there is one.
+pub fn load_with_warnings(path: &Path) -> (Result<Scene, ImportError>, Vec<Warning>) {
     let mut warnings = Warnings::default();
+    let scene = read(path, &mut warnings).and_then(|mut scene| {
+        complete(path, &mut scene, &mut warnings)?;
+        Ok(scene)
+    });
+    (scene, warnings.into_list())
+}
+
+fn read(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    let mut scene = match extension.as_deref() {
-        Some("gltf" | "glb") => gltf::load(path, &mut warnings)?,
-        Some("obj") => obj::load(path, &mut warnings)?,
-        _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, &mut warnings)?,
-        _ => return Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
-    };
-    complete(path, &mut scene, &mut warnings)?;
-    Ok(Import { scene, warnings: warnings.into_list() })
+    match extension.as_deref() {
+        Some("gltf" | "glb") => gltf::load(path, warnings),
+        Some("obj") => obj::load(path, warnings),
+        Some("ply") => ply::load(path, warnings),
+        _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, warnings),
+        _ => Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
+    }
 }
 
 /// Adds what every scene needs and checks the result.
@@ -71,7 +86,8 @@ fn complete(path: &Path, scene: &mut Scene, warnings: &mut Warnings) -> Result<(
         scene.cameras.push(Camera::framing(&scene.bounds(), 1.0));
         warnings.add(WarningKind::NoCamera, "", "there is no camera: one is placed that sees everything");
     }
-    if scene.counts().emissive_triangles == 0 {
+    let dark = scene.counts().emissive_triangles == 0 && scene.lights.is_empty();
+    if dark && scene.environment.is_none() {
         warnings.add(WarningKind::NoLight, "", "nothing emits light: the image will be black");
     }
     Ok(())

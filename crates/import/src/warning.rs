@@ -32,6 +32,8 @@ pub enum WarningKind {
     MissingFile,
     /// A bad value that was replaced.
     Repaired,
+    /// What breaks the format's rules, where nothing that is rendered depends on it.
+    Invalid,
     /// Something in the file that the scene has no place for.
     Unused,
     /// The file has no camera.
@@ -82,6 +84,11 @@ impl Warnings {
             self.list.push(Warning { kind, place: place.into(), count: 0, message });
         }
         self.list[index].count += 1;
+    }
+
+    /// Like [`Warnings::add`], but never one with others: each place counts.
+    pub fn add_apart(&mut self, kind: WarningKind, place: impl Into<String>, message: impl Into<String>) {
+        self.list.push(Warning { kind, place: place.into(), count: 1, message: message.into() });
     }
 
     /// Like [`Warnings::add`], but not counted again where it is known already.

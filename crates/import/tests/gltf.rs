@@ -7,7 +7,10 @@ use std::f32::consts::FRAC_1_SQRT_2;
 use common::{data_uri, load_json, triangle, triangle_bytes, triangle_with};
 use glam::{Vec3, vec3};
 use midway_import::{Import, WarningKind};
-use midway_scene::{Material, Roughness, Sides, Surface};
+use midway_scene::{
+    ConductorFresnel, LightKind, Material, MetallicRoughness, Projection, Roughness, Sides, SpotFalloff,
+    Surface,
+};
 use serde_json::{Value, json};
 
 fn import(document: &Value) -> Import {
@@ -47,25 +50,19 @@ fn diffuse_materials() {
     let (plain, warnings) = material(json!({"pbrMetallicRoughness": pbr, "extensions": none}));
     assert_eq!((plain.surface, warnings), (Surface::diffuse(reflectance), vec![]));
     let (layered, warnings) = material(json!({"pbrMetallicRoughness": pbr}));
-    assert_eq!(layered.surface, Surface::diffuse(reflectance));
-    assert_eq!(warnings, [WarningKind::Approximation]);
+    let expected = MetallicRoughness { base_color: reflectance.into(), ..MetallicRoughness::default() };
+    assert_eq!((layered.surface, warnings), (Surface::MetallicRoughness(Box::new(expected)), vec![]));
 }
 
 #[test]
 fn metals_by_roughness() {
-    let metal = |roughness: f32| {
-        material(json!({"pbrMetallicRoughness":
-            {"metallicFactor": 1, "roughnessFactor": roughness, "baseColorFactor": [0.5, 0.5, 0.5, 1]}}))
-    };
-    let reflectance = Vec3::splat(0.5);
-    let approximated = vec![WarningKind::Approximation];
-    for (roughness, surface, warnings) in [
-        (0.0, Surface::mirror(reflectance), vec![]),
-        (0.3, Surface::mirror(reflectance), approximated.clone()),
-        (0.5, Surface::diffuse(reflectance), approximated),
-    ] {
-        let (found, kinds) = metal(roughness);
-        assert_eq!((found.surface, kinds), (surface, warnings), "{roughness}");
+    for roughness in [0.0f32, 0.3, 1.0] {
+        let pbr =
+            json!({"metallicFactor": 1, "roughnessFactor": roughness, "baseColorFactor": [0.5, 0.5, 0.5, 1]});
+        let (found, warnings) = material(json!({"pbrMetallicRoughness": pbr}));
+        let fresnel = ConductorFresnel::Schlick { f0: Vec3::splat(0.5).into() };
+        let roughness = Roughness { along: roughness.into(), across: roughness.into(), squared: true };
+        assert_eq!((found.surface, warnings), (Surface::Conductor { fresnel, roughness }, vec![]));
     }
 }
 
@@ -91,7 +88,7 @@ fn glass_thick_and_thin() {
         transmission: tint.into(),
         sigma_a: Vec3::ZERO,
         thin,
-        roughness: Roughness::smooth(),
+        roughness: Roughness { squared: true, ..Roughness::smooth() },
     };
     let sheet = smooth(1.5, true);
     assert_eq!(glass(Value::Null, Value::Null), sheet);
@@ -119,50 +116,146 @@ fn emission_and_sides() {
 #[test]
 fn each_unused_thing_is_listed_once() {
     let mut document = triangle();
-    document["materials"][0]["normalTexture"] = json!({"index": 0});
-    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
-    document["materials"][0]["alphaMode"] = json!("BLEND");
-    document["materials"][0]["extensions"]["KHR_materials_sheen"] = json!({});
+    document["materials"][0]["occlusionTexture"] = json!({"index": 0});
+    document["materials"][0]["extensions"]["KHR_materials_iridescence"] = json!({});
     let twin = document["materials"][0].clone();
     document["materials"].as_array_mut().unwrap().push(twin);
-    document["extensionsUsed"] =
-        json!(["KHR_materials_sheen", "KHR_materials_specular", "EXT_other", "KHR_lights_punctual"]);
-    document["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
-    document["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+    document["extensionsUsed"] = json!(["KHR_materials_iridescence", "KHR_materials_specular", "EXT_other"]);
     document["nodes"][0]["skin"] = json!(0);
     document["animations"] = json!([{}, {}]);
-    document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(0);
-    document["meshes"][0]["primitives"][0]["targets"] = json!([{}]);
+    document["meshes"][0]["primitives"][0]["attributes"]["COLOR_1"] = json!(0);
+    document["meshes"][0]["primitives"][0]["targets"] = json!([{"TEXCOORD_0": 0}]);
     document["meshes"][0]["primitives"].as_array_mut().unwrap().push(json!({"attributes": {}, "mode": 0}));
-    document["cameras"].as_array_mut().unwrap().push(json!({"type": "orthographic", "orthographic": {}}));
-    document["nodes"].as_array_mut().unwrap().push(json!({"camera": 1}));
-    document["scenes"][0]["nodes"] = json!([0, 1, 2]);
     document["scenes"].as_array_mut().unwrap().push(json!({}));
     let import = import(&document);
     use WarningKind::*;
-    let mut expected = vec![
-        Texture,
-        Texture,
-        Extension,
-        Alpha,
-        Skin,
-        VertexColour,
-        MorphTarget,
-        Primitive,
-        Camera,
-        Light,
-        Animation,
-        Unused,
-        Extension,
-    ];
+    let mut expected =
+        vec![Unused, Extension, Skin, VertexColour, MorphTarget, Primitive, Animation, Unused, Extension];
     let mut found = kinds(&import);
     let order = |k: &WarningKind| format!("{k:?}");
     expected.sort_by_key(order);
     found.sort_by_key(order);
     assert_eq!(found, expected, "{:#?}", import.warnings);
-    let sheen = import.warnings.iter().find(|w| w.message.contains("sheen")).unwrap();
-    assert_eq!((sheen.place.as_str(), sheen.count), ("/materials/0/extensions/KHR_materials_sheen", 2));
-    assert!(sheen.to_string().contains("and 1 more"));
+    let unused = import.warnings.iter().find(|w| w.message.contains("iridescence")).unwrap();
+    let place = "/materials/0/extensions/KHR_materials_iridescence";
+    assert_eq!((unused.place.as_str(), unused.count), (place, 2));
+    assert!(unused.to_string().contains("and 1 more"));
+}
+
+#[test]
+fn lights_by_kind() {
+    let light = |definition: Value| {
+        let mut document = triangle();
+        document["extensions"] = json!({"KHR_lights_punctual": {"lights": [definition]}});
+        document["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+        document["nodes"][0]["translation"] = json!([1, 2, 3]);
+        document["nodes"][0]["rotation"] = json!([-FRAC_1_SQRT_2, 0, 0, FRAC_1_SQRT_2]);
+        document
+    };
+    let position = vec3(1.0, 2.0, 3.0);
+    let read = |definition| import(&light(definition)).scene.lights[0].kind;
+    let point = read(json!({"type": "point", "intensity": 5, "color": [1, 0.5, 0]}));
+    assert_eq!(point, LightKind::Point { position, intensity: vec3(5.0, 2.5, 0.0) });
+    let LightKind::Directional { direction, irradiance } = read(json!({"type": "directional"})) else {
+        panic!("not directional");
+    };
+    // A quarter turn about x takes -z to -y.
+    assert!(direction.distance(Vec3::NEG_Y) <= 1e-6 && irradiance == Vec3::ONE);
+    let spot = read(json!({"type": "spot", "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.5}}));
+    let LightKind::Spot { inner_angle, outer_angle, falloff, .. } = spot else { panic!("no spot") };
+    assert_eq!((inner_angle, outer_angle, falloff), (0.2, 0.5, SpotFalloff::CosineSquared));
+
+    let mut blender = light(json!({"type": "point", "intensity": 683}));
+    blender["asset"]["generator"] = json!("Khronos glTF Blender I/O v4.0.44");
+    let blender = import(&blender);
+    assert_eq!(kinds(&blender), [WarningKind::Light]);
+    let LightKind::Point { intensity, .. } = blender.scene.lights[0].kind else { panic!("no point") };
+    assert!(intensity.distance(Vec3::ONE) <= 1e-6);
+    for bad in [json!({"type": "area"}), json!({"type": "point", "intensity": -1}), json!({})] {
+        assert!(load_json(&light(bad)).is_err());
+    }
+}
+
+#[test]
+fn orthographic_cameras() {
+    let camera =
+        json!({"type": "orthographic", "orthographic": {"xmag": 3, "ymag": 1.5, "zfar": 9, "znear": 1}});
+    let camera = &import(&triangle_with("/cameras/0", camera)).scene.cameras[0];
+    assert_eq!((camera.projection, camera.aspect), (Projection::Orthographic { height: 3.0 }, Some(2.0)));
+}
+
+#[test]
+fn instances_of_a_node() {
+    let mut bytes = triangle_bytes();
+    bytes.resize(80, 0);
+    bytes.extend([[1.0f32, 0.0, 0.0], [0.0, 5.0, 0.0]].as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    let mut document = triangle_with("/buffers/0", json!({"byteLength": 104, "uri": data_uri(&bytes)}));
+    document["bufferViews"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({"buffer": 0, "byteOffset": 80, "byteLength": 24}));
+    let accessor = json!({"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"});
+    document["accessors"].as_array_mut().unwrap().push(accessor);
+    document["nodes"][0]["scale"] = json!([2, 2, 2]);
+    document["nodes"][0]["extensions"] =
+        json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 3}}});
+    let found = import(&document);
+    let places: Vec<Vec3> =
+        found.scene.instances.iter().map(|i| i.world_from_mesh.w_axis.truncate()).collect();
+    assert_eq!(places, [vec3(2.0, 0.0, 0.0), vec3(0.0, 10.0, 0.0)]);
+    assert_eq!(found.scene.meshes.len(), 1);
+    document["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] = json!(0);
+    assert!(load_json(&document).is_err(), "two translations and three scales");
+}
+
+/// A target of the positions themselves, at a weight of the mesh's and then of the node's.
+#[test]
+fn morph_targets_at_their_weights() {
+    let mut document = triangle();
+    document["meshes"][0]["primitives"][0]["targets"] =
+        json!([{"POSITION": 0}, {"POSITION": 0, "NORMAL": 1}]);
+    document["meshes"][0]["weights"] = json!([0.5, 0]);
+    let twice = json!({"mesh": 0, "weights": [0, 1]});
+    document["nodes"].as_array_mut().unwrap().push(twice);
+    document["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let import = import(&document);
+    assert_eq!(import.warnings, []);
+    let meshes = &import.scene.meshes;
+    assert_eq!(meshes[0].positions, [Vec3::ZERO, Vec3::X * 1.5, Vec3::Y * 1.5]);
+    assert_eq!(meshes[1].positions, [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0]);
+    assert_eq!(meshes[1].normals, [Vec3::Z; 3]);
+}
+
+/// Faults in what is not used: listed with their place, and the rest is rendered.
+#[test]
+fn faults_elsewhere_are_listed() {
+    let mut document = triangle();
+    document["animations"] = json!([{"channels": [{"sampler": 1, "target": {"path": "scale", "node": 9}}],
+        "samplers": [{"input": 0, "output": "x"}]}]);
+    document["skins"] = json!([{"joints": [0, 7]}, {}]);
+    document["materials"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({"extensions": {"OTHER": {"aTexture": {"index": 0}}}}));
+    document["samplers"] = json!([{"wrapS": 1}]);
+    document["cameras"][0]["perspective"]["zfar"] = json!(-1);
+    let found = import(&document);
+    let invalid = found.warnings.iter().filter(|w| w.kind == WarningKind::Invalid);
+    let mut places: Vec<&str> = invalid.map(|w| w.place.as_str()).collect();
+    places.sort_unstable();
+    assert_eq!(
+        places,
+        [
+            "/animations/0/channels/0/sampler",
+            "/animations/0/channels/0/target/node",
+            "/animations/0/samplers/0/output",
+            "/cameras/0/perspective/zfar",
+            "/materials/1/extensions/OTHER/aTexture/index",
+            "/samplers/0/wrapS",
+            "/skins/0/joints/1",
+            "/skins/1",
+        ]
+    );
 }
 
 #[test]

@@ -2,10 +2,12 @@
 
 mod common;
 
-use common::{Folder, load_bytes};
-use glam::{Vec3, vec3};
+use common::{Folder, image_bytes, load_bytes};
+use glam::{Vec3, vec2, vec3, vec4};
 use midway_import::{Import, WarningKind, load};
-use midway_scene::{Material, Roughness, Sides, Surface};
+use midway_scene::{
+    Channel, ConductorFresnel, Material, MetallicRoughness, Opacity, Roughness, Sides, Surface, Texels, Wrap,
+};
 
 /// Two triangles that share an edge, folded by a right angle.
 const FOLDED: &str = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\n";
@@ -25,7 +27,19 @@ fn material(lines: &str) -> (Material, Vec<WarningKind>) {
 
 #[test]
 fn materials() {
-    use WarningKind::{Alpha, Approximation, Repaired, Texture, Unused};
+    use WarningKind::{Alpha, Approximation, MissingFile, Repaired, Texture, Unused};
+    let rough = |exponent: f32| Roughness::alpha((2.0 / (exponent + 2.0)).sqrt());
+    let metal = |f0, exponent| Surface::Conductor {
+        fresnel: ConductorFresnel::Schlick { f0: Vec3::splat(f0).into() },
+        roughness: rough(exponent),
+    };
+    let plastic = |kd, ks, ior, exponent| Surface::Plastic {
+        reflectance: Vec3::splat(kd).into(),
+        specular: Vec3::splat(ks).into(),
+        ior,
+        nonlinear: false,
+        roughness: rough(exponent),
+    };
     let diffuse = |r| Surface::diffuse(Vec3::splat(r));
     let mirror = |r| Surface::mirror(Vec3::splat(r));
     let glass = |ior, tint| Surface::Dielectric {
@@ -40,9 +54,10 @@ fn materials() {
         ("Kd 0.5 0.5 0.5", diffuse(0.5), vec![]),
         ("Kd 0.5\nKs 0 0 0\nillum 2", diffuse(0.5), vec![]),
         ("Kd 0.5\nKs 0.9\nNs 500\nillum 1", diffuse(0.5), vec![]),
-        ("Kd 0.5\nKs 0.1\nNs 500\nillum 2", diffuse(0.5), vec![Approximation]),
-        ("Kd 0.1\nKs 0.9\nNs 5\nillum 2", diffuse(0.1), vec![Approximation]),
-        ("Kd 0.1\nKs 0.9\nNs 500\nillum 2", mirror(0.9), vec![Approximation]),
+        ("Kd 0.5\nKs 0.1\nNs 500\nillum 2", plastic(0.5, 0.1, 1.5, 500.0), vec![Approximation]),
+        ("Kd 0.1\nKs 0.9\nNs 5\nNi 1.3\nillum 2", plastic(0.1, 0.9, 1.3, 5.0), vec![Approximation]),
+        ("Kd 0.1\nKs 0.9\nNs 500\nillum 2", metal(0.9, 500.0), vec![Approximation]),
+        ("Kd 0\nKs 0.9\nNs 5", metal(0.9, 5.0), vec![]),
         ("Kd 0\nKs 0.9\nillum 3", mirror(0.9), vec![]),
         ("Kd 0\nKs 0.9\nillum 5", mirror(0.9), vec![]),
         ("Ni 1.4\nTf 0.5 0.5 0.5\nillum 7", glass(1.4, 0.5), vec![]),
@@ -50,15 +65,16 @@ fn materials() {
         ("illum 4", glass(1.5, 1.0), vec![Repaired]),
         ("Kd 0.5\nd 0.1\nNi 1.4", glass(1.4, 1.0), vec![Alpha]),
         ("Kd 0.5\nTr 0.9\nNi 1.4", glass(1.4, 1.0), vec![Alpha]),
-        ("Kd 0.5\nd 0.9\nNi 1.4", diffuse(0.5), vec![Alpha]),
-        ("Kd 0.5\nd 0.1", diffuse(0.5), vec![Alpha]),
+        ("Kd 0.5\nd 0.9\nNi 1.4", diffuse(0.5), vec![]),
         ("Kd 1.5", diffuse(1.0), vec![Repaired]),
-        ("Kd 0.5\nmap_Kd a.png\nbump b.png", diffuse(0.5), vec![Texture, Texture]),
-        ("Kd 0.5\nPr 0.3", diffuse(0.5), vec![Unused]),
+        ("Kd 0.5\nmap_Kd a.png\nbump b.png", diffuse(0.5), vec![Texture, MissingFile]),
+        ("Kd 0.5\nhalo 0.3", diffuse(0.5), vec![Unused]),
     ] {
         let (found, kinds) = material(lines);
         assert_eq!((found.surface, kinds), (surface, warnings), "{lines:?}");
     }
+    let (clear, _) = material("Kd 0.5\nd 0.25");
+    assert_eq!(clear.opacity, Opacity::Blend(0.25.into()));
     let (light, _) = material("Kd 0\nKe 10 5 1");
     assert_eq!((light.emission, light.emits), (vec3(10.0, 5.0, 1.0).into(), Sides::Front));
 }
@@ -108,10 +124,66 @@ fn missing_libraries_and_materials_are_done_without() {
 }
 
 #[test]
+fn physical_materials() {
+    let (found, warnings) = material("Kd 0.5\nPr 0.3\nPm 0.9\nPs 0.1\nPc 0.2\nPcr 0.4\naniso 0.6\nNi 1.4");
+    let expected = MetallicRoughness {
+        base_color: Vec3::splat(0.5).into(),
+        metallic: 0.9.into(),
+        roughness: 0.3.into(),
+        ior: 1.4,
+        clearcoat: 0.2.into(),
+        clearcoat_roughness: 0.4.into(),
+        sheen_color: Vec3::splat(0.1).into(),
+        sheen_roughness: 0.3.into(),
+        anisotropy: 0.6.into(),
+        ..MetallicRoughness::default()
+    };
+    assert_eq!((found.surface, warnings), (Surface::MetallicRoughness(Box::new(expected)), vec![]));
+}
+
+/// Texture coordinates, options, shared files, and where files are looked for.
+#[test]
+fn maps() {
+    let folder = Folder::new();
+    folder.write("textures/a b.png", image_bytes(&[[10, 20, 30, 40]], 1, image::ImageFormat::Png));
+    let library = "newmtl m\nmap_Kd -o 0.25 0.5 0 -s 2 3 1 -clamp on C:\\author\\a b.png\nmap_d a b.png\n";
+    folder.write("textures/m.mtl", library);
+    let text = "mtllib textures/m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0.25\nvt 1 1\nusemtl m\nf 1/1 2/2 3/3\nf 1 2 3\n";
+    let import = load(&folder.write("scene.obj", text)).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(kinds(&import), []);
+    let scene = &import.scene;
+    assert_eq!(scene.meshes.len(), 2, "with and without texture coordinates");
+    assert_eq!(scene.meshes[0].uvs[0], [vec2(0.0, 1.0), vec2(1.0, 0.75), vec2(1.0, 0.0)]);
+    let material = &scene.materials[0];
+    let Surface::Diffuse { reflectance } = &material.surface else { panic!("not diffuse") };
+    let texture = reflectance.texture.as_ref().unwrap();
+    assert_eq!((reflectance.value, texture.wrap), (Vec3::ONE, [Wrap::Clamp; 2]));
+    // The mesh's (0, 1) is the file's (0, 0), which lies at the file's (0.25, 0.5): half way down.
+    assert!(texture.place(vec2(0.0, 1.0)).distance(vec2(0.25, 0.5)) <= 1e-6);
+    assert!(texture.place(vec2(1.0, 0.0)).distance(vec2(2.25, -2.5)) <= 1e-6);
+    let Opacity::Blend(alpha) = &material.opacity else { panic!("opaque") };
+    assert_eq!(alpha.texture.as_ref().unwrap().1, Channel::A);
+    assert_eq!(scene.images.len(), 2);
+    assert!(matches!(&scene.images[0].texels, Texels::Srgb8(t) if t[..] == [[10, 20, 30, 40]]));
+    let (Texels::Srgb8(a), Texels::Linear8(b)) = (&scene.images[0].texels, &scene.images[1].texels) else {
+        panic!("wrong encodings");
+    };
+    assert!(std::sync::Arc::ptr_eq(a, b), "read twice");
+}
+
+#[test]
+fn vertex_colours_are_srgb() {
+    let text = "v 0 0 0 1 0 0.5\nv 1 0 0 1 1 1\nv 0 1 0\nf 1 2 3\n";
+    let colors = load_bytes("a.obj", text).unwrap().scene.meshes[0].colors.clone();
+    assert!(colors[0].distance(vec4(1.0, 0.0, 0.214_041, 1.0)) <= 1e-5, "{colors:?}");
+    assert_eq!(colors[1..], [vec4(1.0, 1.0, 1.0, 1.0); 2]);
+}
+
+#[test]
 fn unused_things_are_listed_once() {
-    let text = format!("{FOLDED}v 0 0 0 1 0 0\nv 0 0 0 1 0 0\nvp 1\ncurv 1\nl 1 2\np 1\nf 1 2 3\n");
+    let text = format!("{FOLDED}vp 1\nvp 2\ncurv 1\nl 1 2\np 1\nf 1 2 3\n");
     let import = load_bytes("a.obj", text).unwrap();
-    use WarningKind::{Approximation, Primitive, Unused, VertexColour};
-    assert_eq!(kinds(&import), [VertexColour, Unused, Unused, Primitive, Approximation]);
+    use WarningKind::{Approximation, Primitive, Unused};
+    assert_eq!(kinds(&import), [Unused, Unused, Primitive, Approximation]);
     assert_eq!(import.warnings[0].count, 2);
 }

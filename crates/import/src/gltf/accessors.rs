@@ -22,6 +22,28 @@ pub(super) struct Accessors<'a> {
     decoded: Cell<u64>,
 }
 
+/// Which whole numbers may stand for the components of an attribute, with `KHR_mesh_quantization`.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Integers {
+    /// Of 8 or 16 bits, as they are or as fractions.
+    Any,
+    /// Of 8 or 16 bits, as fractions.
+    Normalized,
+}
+
+impl Integers {
+    fn check(self, component: Component, normalized: bool, at: &Json) -> Result<(), ImportError> {
+        match component {
+            Component::F32 => Ok(()),
+            Component::U32 => Err(at.malformed("attributes are floats, or whole numbers of 8 or 16 bits")),
+            _ if self == Self::Normalized && !normalized => {
+                Err(at.malformed("whole numbers have to be normalized in this attribute"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Component {
     I8,
@@ -127,6 +149,11 @@ impl<'a> Accessors<'a> {
         })
     }
 
+    /// What the accessors read from.
+    pub fn buffers(&self) -> &'a Buffers<'a> {
+        self.buffers
+    }
+
     /// The accessor that an index refers to.
     fn get(&self, index: &Json) -> Result<&Json<'a>, ImportError> {
         Ok(&self.accessors[index.index("accessor", self.accessors.len())?])
@@ -148,20 +175,33 @@ impl<'a> Accessors<'a> {
         Err(ImportError::TooBig { place: at.place(), what, limit: self.limit })
     }
 
-    /// Vectors of three components, those named by `picks` or all.
-    pub fn vec3(&self, index: &Json, picks: Option<&[u32]>) -> Result<Vec<[f32; 3]>, ImportError> {
+    /// An accessor's type: `SCALAR`, `VEC2`, …
+    pub fn kind(&self, index: &Json) -> Result<&'a str, ImportError> {
+        self.get(index)?.required("type")?.string()
+    }
+
+    /// Vectors of `N` components, those named by `picks` or all. Whole numbers that are normalized
+    /// come as the fractions that they stand for.
+    pub fn vectors<const N: usize>(
+        &self,
+        index: &Json,
+        picks: Option<&[u32]>,
+        integers: Integers,
+    ) -> Result<Vec<[f32; N]>, ImportError> {
         let accessor = self.get(index)?;
-        self.expect_type(accessor, "VEC3")?;
-        let component = Component::of(&accessor.required("componentType")?)?;
+        self.expect_type(accessor, ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1])?;
+        let component_type = accessor.required("componentType")?;
+        let component = Component::of(&component_type)?;
         let normalized = accessor.bool_or("normalized", false)?;
+        integers.check(component, normalized, &component_type)?;
         let count = self.count(index)?;
-        let elements = self.elements(accessor, count, 3 * component.size())?;
+        let elements = self.elements(accessor, count, N * component.size())?;
         self.charge(accessor, picks.map_or(count, |p| p.len() as u64))?;
-        let decode = |i: usize| -> [f32; 3] {
+        let decode = |i: usize| -> [f32; N] {
             let Some(bytes) = elements.get(i) else {
-                return [0.0; 3];
+                return [0.0; N];
             };
-            [0, 1, 2].map(|c| component.float(&bytes[c * component.size()..], normalized))
+            std::array::from_fn(|c| component.float(&bytes[c * component.size()..], normalized))
         };
         Ok(match picks {
             Some(picks) => picks.iter().map(|&i| decode(i as usize)).collect(),

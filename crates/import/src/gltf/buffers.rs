@@ -1,15 +1,17 @@
 //! Buffers and views of them, every bound checked.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
-use super::json::Json;
-use crate::{ImportError, files::SceneFolder};
+use super::{json::Json, meshopt};
+use crate::{ImportError, files::SceneFolder, images::Bytes};
 
 /// The document's buffers, loaded, and its views.
 pub(super) struct Buffers<'a> {
     /// None for one that holds nothing: an extension's, an error where it is used.
     buffers: Vec<Option<Arc<[u8]>>>,
     views: Vec<Json<'a>>,
+    /// What views that are compressed come to.
+    decompressed: Vec<Option<Arc<[u8]>>>,
 }
 
 /// A range of a buffer.
@@ -27,9 +29,14 @@ impl<'a> Buffers<'a> {
     ) -> Result<Self, ImportError> {
         let mut buffers = Vec::new();
         for (i, buffer) in root.items("buffers")?.into_iter().enumerate() {
-            let bytes = match (buffer.get("uri"), binary) {
+            let stands_in = match meshopt::extension(&buffer) {
+                Some(extension) => extension.bool_or("fallback", false)?,
+                None => false,
+            };
+            let uri = buffer.get("uri").filter(|_| !stands_in);
+            let bytes = match (uri, binary) {
                 (Some(uri), _) => folder.read_uri(uri.string()?, &uri.place())?,
-                (None, Some(binary)) if i == 0 => binary.into(),
+                (None, Some(binary)) if i == 0 && !stands_in => binary.into(),
                 (None, _) => {
                     buffers.push(None);
                     continue;
@@ -43,40 +50,65 @@ impl<'a> Buffers<'a> {
             }
             buffers.push(Some(bytes));
         }
-        Ok(Self { buffers, views: root.items("bufferViews")? })
+        let views = root.items("bufferViews")?;
+        let decompress = |view: &Json| match meshopt::extension(view) {
+            Some(extension) => meshopt::decode(&extension, &buffers).map(Some),
+            None => Ok(None),
+        };
+        let decompressed = views.iter().map(decompress).collect::<Result<_, _>>()?;
+        Ok(Self { buffers, views, decompressed })
     }
 
     /// Bytes held in all buffers.
     pub fn total_bytes(&self) -> u64 {
-        self.buffers.iter().flatten().map(|b| b.len() as u64).sum()
+        self.buffers.iter().chain(&self.decompressed).flatten().map(|b| b.len() as u64).sum()
     }
 
     /// The view that an index refers to.
     pub fn view(&self, index: &Json) -> Result<View<'_>, ImportError> {
-        let view = &self.views[index.index("buffer view", self.views.len())?];
+        let (buffer, range, stride) = self.range(index)?;
+        Ok(View { bytes: &buffer[range], stride })
+    }
+
+    /// The bytes of the view that an index refers to, shared.
+    pub fn shared(&self, index: &Json) -> Result<Bytes, ImportError> {
+        let (buffer, range, _) = self.range(index)?;
+        Ok(Bytes { buffer: buffer.clone(), start: range.start, end: range.end })
+    }
+
+    fn range(&self, index: &Json) -> Result<(&Arc<[u8]>, Range<usize>, Option<usize>), ImportError> {
+        let i = index.index("buffer view", self.views.len())?;
+        let view = &self.views[i];
+        let stride = match view.get("byteStride") {
+            Some(stride) => Some(stride.unsigned()? as usize),
+            None => None,
+        };
+        if let Some(decompressed) = &self.decompressed[i] {
+            return Ok((decompressed, 0..decompressed.len(), stride));
+        }
         let buffer = view.required("buffer")?;
         let buffer = self.buffers[buffer.index("buffer", self.buffers.len())?]
             .as_ref()
             .ok_or_else(|| buffer.malformed("the buffer has neither a URI nor a GLB chunk"))?;
         let offset = view.unsigned_or("byteOffset", 0)?;
         let length = view.required("byteLength")?.unsigned()?;
-        let bytes = slice(buffer, offset, length).ok_or_else(|| ImportError::Truncated {
+        let truncated = || ImportError::Truncated {
             place: view.place(),
             what: "the buffer view",
             needed: offset.saturating_add(length),
             available: buffer.len() as u64,
-        })?;
-        let stride = match view.get("byteStride") {
-            Some(stride) => Some(stride.unsigned()? as usize),
-            None => None,
         };
-        Ok(View { bytes, stride })
+        Ok((buffer, range(buffer.len(), offset, length).ok_or_else(truncated)?, stride))
     }
 }
 
 /// A part of a slice; none where any of it is beyond the end.
 pub(super) fn slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
+    range(bytes.len(), offset, length).map(|range| &bytes[range])
+}
+
+fn range(available: usize, offset: u64, length: u64) -> Option<Range<usize>> {
     let start = usize::try_from(offset).ok()?;
     let end = usize::try_from(offset.checked_add(length)?).ok()?;
-    bytes.get(start..end)
+    (end <= available).then_some(start..end)
 }

@@ -16,6 +16,11 @@ pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Value, ImportError> {
     })
 }
 
+/// A key as JSON pointers write it (RFC 6901).
+pub(super) fn escaped(key: &str) -> String {
+    key.replace('~', "~0").replace('/', "~1")
+}
+
 /// A value and its pointer.
 #[derive(Clone)]
 pub(super) struct Json<'a> {
@@ -42,8 +47,7 @@ impl<'a> Json<'a> {
     }
 
     fn child(&self, key: &str, value: &'a Value) -> Self {
-        let key = key.replace('~', "~0").replace('/', "~1");
-        Self { file: self.file, pointer: format!("{}/{key}", self.pointer), value }
+        Self { file: self.file, pointer: format!("{}/{}", self.pointer, escaped(key)), value }
     }
 
     /// A member of an object; none where it is absent, or where this is no object.

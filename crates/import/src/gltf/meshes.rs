@@ -2,21 +2,26 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
 use midway_scene::Mesh;
 
-use super::{accessors::Accessors, json::Json, warn_of_extensions};
+use super::{
+    accessors::Accessors,
+    attributes::{Attributes, morph_weights, warn_of_attributes},
+    draco,
+    json::Json,
+    warn_of_extensions,
+};
 use crate::{
     ImportError,
-    geometry::repair_normals,
     warning::{WarningKind, Warnings},
 };
 
 /// The document's meshes, read where a node asks for them.
 pub(super) struct Meshes<'a> {
     definitions: Vec<Json<'a>>,
-    /// The scene's meshes of each of the file's that was read.
-    read: HashMap<usize, Vec<u32>>,
+    /// The scene's meshes of each of the file's that was read, by the weights of its morph targets
+    /// as bits.
+    read: HashMap<(usize, Vec<u32>), Vec<u32>>,
     list: Vec<Mesh>,
     accessors: Accessors<'a>,
     n_materials: usize,
@@ -54,22 +59,34 @@ impl<'a> Meshes<'a> {
         self.list[mesh as usize].triangles.len() as u64
     }
 
-    /// The scene's meshes for the file's mesh that an index refers to.
-    pub fn of(&mut self, index: &Json, warnings: &mut Warnings) -> Result<Vec<u32>, ImportError> {
+    pub fn accessors(&self) -> &Accessors<'a> {
+        &self.accessors
+    }
+
+    /// The scene's meshes for the mesh of a node, its morph targets as the node or else the mesh
+    /// weighs them.
+    pub fn of(
+        &mut self,
+        node: &Json,
+        index: &Json,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<u32>, ImportError> {
         let i = index.index("mesh", self.definitions.len())?;
-        if let Some(known) = self.read.get(&i) {
+        let definition = self.definitions[i].clone();
+        let weights = morph_weights(node, &definition)?;
+        let key = (i, weights.iter().map(|w| w.to_bits()).collect());
+        if let Some(known) = self.read.get(&key) {
             return Ok(known.clone());
         }
-        let definition = self.definitions[i].clone();
         warn_of_extensions(&definition, warnings)?;
         let mut own = Vec::new();
         for primitive in definition.required("primitives")?.elements()? {
-            if let Some(mesh) = self.primitive(&primitive, definition.name(), warnings)? {
+            if let Some(mesh) = self.primitive(&primitive, definition.name(), &weights, warnings)? {
                 own.push(self.list.len() as u32);
                 self.list.push(mesh);
             }
         }
-        self.read.insert(i, own.clone());
+        self.read.insert(key, own.clone());
         Ok(own)
     }
 
@@ -78,6 +95,7 @@ impl<'a> Meshes<'a> {
         &mut self,
         primitive: &Json,
         name: String,
+        weights: &[f32],
         warnings: &mut Warnings,
     ) -> Result<Option<Mesh>, ImportError> {
         let mode = primitive.unsigned_or("mode", TRIANGLES)?;
@@ -87,7 +105,7 @@ impl<'a> Meshes<'a> {
         }
         warn_of_extensions(primitive, warnings)?;
         let attributes = primitive.required("attributes")?;
-        warn_of_attributes(primitive, &attributes, warnings);
+        warn_of_attributes(primitive, &attributes, warnings)?;
         let Some(position) = attributes.get("POSITION") else {
             warnings.add(
                 WarningKind::Primitive,
@@ -96,8 +114,14 @@ impl<'a> Meshes<'a> {
             );
             return Ok(None);
         };
-        let n_vertices = self.accessors.count(&position)?;
-        let corners = self.corners(primitive, mode, n_vertices)?;
+        let geometry = draco::geometry(primitive, &self.accessors, &position)?;
+        let (n_vertices, corners) = match &geometry {
+            Some(geometry) => (geometry.n_vertices() as u64, geometry.triangles()),
+            None => {
+                let n = self.accessors.count(&position)?;
+                (n, self.corners(primitive, mode, n)?)
+            }
+        };
         if corners.is_empty() {
             warnings.add(
                 WarningKind::Primitive,
@@ -108,27 +132,17 @@ impl<'a> Meshes<'a> {
         }
         let material = self.material(primitive, warnings)?;
         let vertices = Vertices::choose(corners, n_vertices);
-        let picks = vertices.picks.as_deref();
-        let positions = self.vectors(&position, picks, "vertex position")?;
-        let mut normals = match attributes.get("NORMAL") {
-            Some(normal) => self.normals(&normal, picks, n_vertices)?,
-            None => Vec::new(),
+        let source = Attributes {
+            primitive,
+            attributes,
+            accessors: &self.accessors,
+            geometry,
+            picks: vertices.picks,
+            n_vertices,
+            weights,
         };
-        if repair_normals(&positions, &vertices.triangles, &mut normals) > 0 {
-            warnings.add(
-                WarningKind::Repaired,
-                attributes.pointer(),
-                "normals of length 0 are replaced by those of their faces",
-            );
-        }
-        Ok(Some(Mesh {
-            name,
-            positions,
-            normals,
-            triangles: vertices.triangles,
-            material,
-            ..Mesh::default()
-        }))
+        let mesh = Mesh { name, triangles: vertices.triangles, material, ..Mesh::default() };
+        source.fill(mesh, warnings).map(Some)
     }
 
     fn material(&mut self, primitive: &Json, warnings: &mut Warnings) -> Result<u32, ImportError> {
@@ -170,29 +184,6 @@ impl<'a> Meshes<'a> {
             _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
         })
     }
-
-    fn vectors(
-        &self,
-        index: &Json,
-        picks: Option<&[u32]>,
-        what: &'static str,
-    ) -> Result<Vec<Vec3>, ImportError> {
-        let vectors: Vec<Vec3> =
-            self.accessors.vec3(index, picks)?.into_iter().map(Vec3::from_array).collect();
-        if let Some(bad) = vectors.iter().position(|v| !v.is_finite()) {
-            let index_of = picks.map_or(bad as u64, |p| u64::from(p[bad]));
-            return Err(ImportError::NotFinite { place: index.place(), what, index: index_of });
-        }
-        Ok(vectors)
-    }
-
-    fn normals(&self, index: &Json, picks: Option<&[u32]>, n: u64) -> Result<Vec<Vec3>, ImportError> {
-        let count = self.accessors.count(index)?;
-        if count != n {
-            return Err(index.malformed(format!("there are {count} normals for {n} vertices")));
-        }
-        self.vectors(index, picks, "normal")
-    }
 }
 
 /// Triangles over those vertices that a primitive uses: files share one long accessor between
@@ -218,17 +209,5 @@ impl Vertices {
             });
         }
         Self { triangles, picks: Some(picks) }
-    }
-}
-
-/// Attributes that change how a primitive looks and are not read. Texture coordinates and tangents
-/// serve textures, of which the material warns.
-fn warn_of_attributes(primitive: &Json, attributes: &Json, warnings: &mut Warnings) {
-    if attributes.get("COLOR_0").is_some() {
-        warnings.add(WarningKind::VertexColour, attributes.pointer(), "vertex colours are not used");
-    }
-    if primitive.get("targets").is_some() {
-        let message = "morph targets are not used: the mesh is rendered without them";
-        warnings.add(WarningKind::MorphTarget, primitive.pointer(), message);
     }
 }

@@ -5,12 +5,20 @@
 //! trusts a schema (the `gltf` crate's own validation indexes out of bounds on bad input).
 
 mod accessors;
+mod attributes;
 mod buffers;
+mod cameras;
+mod check;
 mod container;
+mod draco;
+mod instancing;
 mod json;
+mod lights;
 mod materials;
 mod meshes;
+mod meshopt;
 mod nodes;
+mod textures;
 mod unused;
 
 use std::path::Path;
@@ -26,18 +34,36 @@ use accessors::Accessors;
 use buffers::Buffers;
 use json::Json;
 use meshes::Meshes;
+use textures::Textures;
 
 pub(crate) use container::GLB_MAGIC;
 
 /// Extensions that are read, wholly or as far as warnings say.
 const SUPPORTED_EXTENSIONS: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
 ];
+
+/// Extensions without which a file is still understood: a choice among materials, of which the
+/// first counts, and what no image depends on.
+const HARMLESS_EXTENSIONS: &[&str] = &["KHR_animation_pointer", "KHR_materials_variants", "KHR_xmp_json_ld"];
 
 pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     let bytes = files::read_scene(path, false)?;
@@ -45,12 +71,14 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
     let value = json::parse(path, text)?;
     let root = Json::root(path, &value);
     check_version(&root)?;
+    check::list(&value, warnings);
     check_required_extensions(&root)?;
 
     let mut folder = SceneFolder::of(path)?;
     let buffers = Buffers::load(&root, &mut folder, binary)?;
     let accessors = Accessors::new(&root, &buffers, bytes.len() as u64)?;
-    let mut materials = materials::read_all(&root, warnings)?;
+    let mut textures = Textures::new(&root, &buffers, &folder, bytes.len() as u64)?;
+    let mut materials = materials::read_all(&root, &mut textures, warnings)?;
     let mut meshes = Meshes::new(&root, accessors, materials.len())?;
     let placed = nodes::walk(&root, &mut meshes, warnings)?;
     unused::warn(&root, warnings)?;
@@ -62,7 +90,9 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
         meshes: meshes.into_list(),
         instances: placed.instances,
         materials,
-        ..Scene::default()
+        images: textures.into_images(warnings),
+        lights: placed.lights,
+        environment: None,
     })
 }
 
@@ -79,7 +109,7 @@ fn check_version(root: &Json) -> Result<(), ImportError> {
 fn check_required_extensions(root: &Json) -> Result<(), ImportError> {
     for required in root.items("extensionsRequired")? {
         let name = required.string()?;
-        if !SUPPORTED_EXTENSIONS.contains(&name) {
+        if !SUPPORTED_EXTENSIONS.contains(&name) && !HARMLESS_EXTENSIONS.contains(&name) {
             let (place, extension) = (required.place(), name.to_owned());
             return Err(ImportError::UnsupportedExtension { place, extension });
         }
@@ -91,7 +121,7 @@ fn check_required_extensions(root: &Json) -> Result<(), ImportError> {
 fn warn_of_extensions(object: &Json, warnings: &mut Warnings) -> Result<(), ImportError> {
     if let Some(extensions) = object.get("extensions") {
         for (name, extension) in extensions.members()? {
-            if !SUPPORTED_EXTENSIONS.contains(&name) && name != unused::LIGHTS {
+            if !SUPPORTED_EXTENSIONS.contains(&name) {
                 warnings.add(WarningKind::Extension, extension.pointer(), unused_extension(name));
             }
         }
@@ -100,7 +130,12 @@ fn warn_of_extensions(object: &Json, warnings: &mut Warnings) -> Result<(), Impo
 }
 
 fn unused_extension(name: &str) -> String {
-    format!("the extension {name} is not used")
+    match name {
+        "KHR_materials_variants" => {
+            format!("variants of materials ({name}) are not used: the default ones are")
+        }
+        _ => format!("the extension {name} is not used"),
+    }
 }
 
 /// Where a whole file is meant.

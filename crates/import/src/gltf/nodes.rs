@@ -1,9 +1,9 @@
 //! The node tree: what is where.
 
 use glam::{DMat3, DMat4, DQuat, DVec3};
-use midway_scene::{Camera, Instance};
+use midway_scene::{Camera, Instance, Light};
 
-use super::{json::Json, meshes::Meshes, warn_of_extensions};
+use super::{cameras, instancing, json::Json, lights::Lights, meshes::Meshes, warn_of_extensions};
 use crate::{
     ImportError,
     geometry::{MAX_INSTANCES, MAX_TRIANGLES},
@@ -14,6 +14,7 @@ use crate::{
 #[derive(Default)]
 pub(super) struct Placed {
     pub cameras: Vec<Camera>,
+    pub lights: Vec<Light>,
     pub instances: Vec<Instance>,
 }
 
@@ -24,8 +25,14 @@ pub(super) fn walk<'a>(
     warnings: &mut Warnings,
 ) -> Result<Placed, ImportError> {
     let nodes = root.items("nodes")?;
-    let mut walk =
-        Walk { cameras: root.items("cameras")?, meshes, warnings, placed: Placed::default(), n_triangles: 0 };
+    let mut walk = Walk {
+        cameras: root.items("cameras")?,
+        lights: Lights::new(root, warnings)?,
+        meshes,
+        warnings,
+        placed: Placed::default(),
+        n_triangles: 0,
+    };
     let mut visited = vec![false; nodes.len()];
     let mut stack: Vec<(usize, DMat4)> =
         roots(root, &nodes)?.into_iter().rev().map(|n| (n, DMat4::IDENTITY)).collect();
@@ -80,6 +87,7 @@ fn local_matrix(node: &Json) -> Result<DMat4, ImportError> {
 
 struct Walk<'w, 'a> {
     cameras: Vec<Json<'a>>,
+    lights: Lights<'a>,
     meshes: &'w mut Meshes<'a>,
     warnings: &'w mut Warnings,
     placed: Placed,
@@ -95,16 +103,28 @@ impl Walk<'_, '_> {
         }
         if let Some(camera) = node.get("camera") {
             let camera = self.cameras[camera.index("camera", self.cameras.len())?].clone();
-            self.camera(&camera, node, world_from_node)?;
+            self.placed.cameras.extend(cameras::read(&camera, node, world_from_node, self.warnings)?);
         }
+        self.placed.lights.extend(self.lights.of(node, world_from_node, self.warnings)?);
         if let Some(mesh) = node.get("mesh") {
             self.mesh(&mesh, node, world_from_node)?;
         }
         Ok(())
     }
 
+    /// A node's mesh, once or, with `EXT_mesh_gpu_instancing`, many times.
     fn mesh(&mut self, mesh: &Json, node: &Json, world_from_node: &DMat4) -> Result<(), ImportError> {
-        let world_from_mesh = world_from_node.as_mat4();
+        let own = self.meshes.of(node, mesh, self.warnings)?;
+        match instancing::node_from_instances(node, self.meshes.accessors())? {
+            Some(places) => {
+                places.iter().try_for_each(|place| self.place(&own, node, &(*world_from_node * *place)))
+            }
+            None => self.place(&own, node, world_from_node),
+        }
+    }
+
+    fn place(&mut self, own: &[u32], node: &Json, world_from_mesh: &DMat4) -> Result<(), ImportError> {
+        let world_from_mesh = world_from_mesh.as_mat4();
         if !world_from_mesh.is_finite() || world_from_mesh.row(3) != glam::Vec4::W {
             return Err(node.malformed("the node's transform is not finite and affine"));
         }
@@ -113,14 +133,13 @@ impl Walk<'_, '_> {
             self.warnings.add(WarningKind::Unused, node.pointer(), message);
             return Ok(());
         }
-        let own = self.meshes.of(mesh, self.warnings)?;
         let too_big = |what: &str, limit| {
             Err(ImportError::TooBig { place: node.place(), what: what.to_owned(), limit })
         };
         if (self.placed.instances.len() + own.len()) as u64 > MAX_INSTANCES {
             return too_big("the nodes place too many meshes", MAX_INSTANCES);
         }
-        for mesh in own {
+        for &mesh in own {
             self.n_triangles += self.meshes.n_triangles(mesh);
             if self.n_triangles > MAX_TRIANGLES {
                 return too_big("the nodes place too many triangles", MAX_TRIANGLES);
@@ -129,42 +148,4 @@ impl Walk<'_, '_> {
         }
         Ok(())
     }
-
-    fn camera(&mut self, camera: &Json, node: &Json, world_from_node: &DMat4) -> Result<(), ImportError> {
-        let Some(perspective) = camera.get("perspective") else {
-            let message = "only perspective cameras are rendered: this one is left out";
-            self.warnings.add(WarningKind::Camera, camera.pointer(), message);
-            return Ok(());
-        };
-        let yfov = perspective.required("yfov")?;
-        let radians = yfov.float()?;
-        if !(radians > 0.0 && radians < std::f32::consts::PI) {
-            return Err(yfov.malformed("a field of view between 0 and π is expected here"));
-        }
-        let aspect = perspective.get("aspectRatio").map(|a| a.float()).transpose()?;
-        let Some(rigid) = without_scale(world_from_node) else {
-            let message = "cameras scaled to nothing are left out";
-            self.warnings.add(WarningKind::Camera, node.pointer(), message);
-            return Ok(());
-        };
-        let name = if node.name().is_empty() { camera.name() } else { node.name() };
-        self.placed.cameras.push(Camera {
-            name,
-            aspect: aspect.filter(|a| *a > 0.0),
-            ..Camera::perspective(rigid.as_mat4(), radians)
-        });
-        Ok(())
-    }
-}
-
-/// The rotation and translation of a transform: its view direction and, as nearly as that allows,
-/// its up direction. None where it has none, or is not finite.
-fn without_scale(m: &DMat4) -> Option<DMat4> {
-    let z = m.z_axis.truncate().try_normalize()?;
-    let y = m.y_axis.truncate();
-    let x = y.cross(z).try_normalize()?;
-    let translation = m.w_axis.truncate();
-    let rigid =
-        DMat4::from_cols(x.extend(0.0), z.cross(x).extend(0.0), z.extend(0.0), translation.extend(1.0));
-    rigid.as_mat4().is_finite().then_some(rigid)
 }

@@ -1,4 +1,4 @@
-//! What a document holds beside meshes, materials and cameras.
+//! What a document holds beside meshes, materials, cameras and lights.
 
 use super::{SUPPORTED_EXTENSIONS, json::Json, unused_extension, warn_of_extensions};
 use crate::{
@@ -6,17 +6,7 @@ use crate::{
     warning::{WarningKind, Warnings},
 };
 
-/// Has a warning of its own kind.
-pub(super) const LIGHTS: &str = "KHR_lights_punctual";
-
 pub(super) fn warn(root: &Json, warnings: &mut Warnings) -> Result<(), ImportError> {
-    if let Some(lights) = root.extension(LIGHTS) {
-        let n = lights.items("lights")?.len();
-        if n > 0 {
-            let message = format!("{n} point, spot or directional lights ({LIGHTS}) are not used");
-            warnings.add(WarningKind::Light, lights.pointer(), message);
-        }
-    }
     let animations = root.items("animations")?;
     if let Some(first) = animations.first() {
         let message = format!("{} animations are not used: the scene is rendered at rest", animations.len());
@@ -30,7 +20,7 @@ pub(super) fn warn(root: &Json, warnings: &mut Warnings) -> Result<(), ImportErr
     warn_of_extensions(root, warnings)?;
     for used in root.items("extensionsUsed")? {
         let name = used.string()?;
-        if !SUPPORTED_EXTENSIONS.contains(&name) && name != LIGHTS {
+        if !SUPPORTED_EXTENSIONS.contains(&name) {
             warnings.add_once(WarningKind::Extension, used.pointer(), unused_extension(name));
         }
     }

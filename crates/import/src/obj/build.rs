@@ -15,8 +15,8 @@ use crate::{
     warning::{WarningKind, Warnings},
 };
 
-/// Faces that become one mesh: of a group and a material, and flat or not.
-type MeshKey = (u32, u32, bool);
+/// Faces that become one mesh: of a group and a material, flat or not, textured or not.
+type MeshKey = (u32, u32, bool, bool);
 /// What a smooth normal belongs to: a smoothing group and a position.
 type SmoothKey = (u32, u32);
 
@@ -50,7 +50,7 @@ pub(super) fn build(
     let mut indices: HashMap<MeshKey, usize> = HashMap::new();
     let mut builders: Vec<MeshBuilder> = Vec::new();
     for (face, triangles) in obj.faces.iter().zip(&triangulated) {
-        let key = (face.group, face.material, is_flat(obj, face));
+        let key = (face.group, face.material, is_flat(obj, face), has_texcoords(obj, face));
         let next = builders.len();
         let index = *indices.entry(key).or_insert(next);
         if index == next {
@@ -86,6 +86,10 @@ fn has_normals(obj: &Obj, face: &Face) -> bool {
     corners(obj, face).iter().all(|c| c.normal.is_some())
 }
 
+fn has_texcoords(obj: &Obj, face: &Face) -> bool {
+    corners(obj, face).iter().all(|c| c.texcoord.is_some())
+}
+
 fn faces(obj: &Obj, face: &Face, path: &Path, warnings: &mut Warnings) -> Triangles {
     let outline: Vec<Vec3> = corners(obj, face).iter().map(|c| obj.positions[c.position as usize]).collect();
     let (triangles, exact) = triangulate(&outline);
@@ -118,7 +122,7 @@ fn smooth_normals(obj: &Obj, triangulated: &[Triangles]) -> HashMap<SmoothKey, D
 
 struct MeshBuilder {
     mesh: Mesh,
-    vertices: HashMap<(u32, NormalKey), u32>,
+    vertices: HashMap<(u32, Option<u32>, NormalKey), u32>,
 }
 
 impl MeshBuilder {
@@ -128,7 +132,7 @@ impl MeshBuilder {
     }
 
     fn add(&mut self, obj: &Obj, face: &Face, triangles: &Triangles, smooth: &HashMap<SmoothKey, DVec3>) {
-        let given = has_normals(obj, face);
+        let (given, textured) = (has_normals(obj, face), has_texcoords(obj, face));
         let vertices: Vec<u32> = corners(obj, face)
             .iter()
             .map(|corner| {
@@ -137,7 +141,8 @@ impl MeshBuilder {
                     _ if face.smoothing > 0 => NormalKey::Smooth(face.smoothing),
                     _ => NormalKey::Flat,
                 };
-                self.vertex(obj, corner.position, key, smooth)
+                let texcoord = corner.texcoord.filter(|_| textured);
+                self.vertex(obj, (corner.position, texcoord, key), smooth)
             })
             .collect();
         self.mesh.triangles.extend(triangles.iter().map(|t| t.map(|corner| vertices[corner])));
@@ -146,15 +151,21 @@ impl MeshBuilder {
     fn vertex(
         &mut self,
         obj: &Obj,
-        position: u32,
-        key: NormalKey,
+        vertex: (u32, Option<u32>, NormalKey),
         smooth: &HashMap<SmoothKey, DVec3>,
     ) -> u32 {
         let next = self.mesh.positions.len() as u32;
-        let index = *self.vertices.entry((position, key)).or_insert(next);
+        let index = *self.vertices.entry(vertex).or_insert(next);
         if index == next {
+            let (position, texcoord, normal) = vertex;
             self.mesh.positions.push(obj.positions[position as usize]);
-            match key {
+            self.mesh.uvs[0].extend(texcoord.map(|i| obj.texcoords[i as usize]));
+            if !obj.colors.is_empty() {
+                // Those after the last that has a colour have none.
+                let color = obj.colors.get(position as usize).copied().unwrap_or(Vec3::ONE);
+                self.mesh.colors.push(color.extend(1.0));
+            }
+            match normal {
                 NormalKey::Flat => {}
                 NormalKey::Given(normal) => self.mesh.normals.push(obj.normals[normal as usize]),
                 NormalKey::Smooth(group) => {

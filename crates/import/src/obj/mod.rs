@@ -4,8 +4,10 @@
 //! some bad lines (`Kd 0.5`).
 
 mod build;
+mod maps;
 mod mtl;
 mod parse;
+mod surface;
 mod text;
 
 use std::path::Path;
@@ -15,20 +17,25 @@ use midway_scene::Scene;
 use crate::{
     ImportError, Place, default_material,
     files::{self, SceneFolder},
+    images::Images,
     warning::{WarningKind, Warnings},
 };
+use maps::Maps;
 use mtl::Library;
 
 pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     let bytes = files::read_scene(path, true)?;
     let text = String::from_utf8_lossy(&bytes);
     let obj = parse::parse(path, &text, warnings)?;
-    let library = load_libraries(path, &obj, warnings)?;
+    let folder = SceneFolder::of(path)?;
+    let library = load_libraries(path, &folder, &obj, warnings)?;
 
     let mut scene = Scene::default();
+    let mut images = Images::default();
     let mut indices = Vec::with_capacity(obj.materials.len());
     for (name, line) in &obj.materials {
-        let known = library.get(name);
+        let mut maps = Maps { folder: &folder, images: &mut images, warnings };
+        let known = library.material(name, &mut maps)?;
         if known.is_none() {
             let message = match name.as_str() {
                 "" => "faces without a material are rendered as diffuse grey".to_owned(),
@@ -37,22 +44,26 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
             warnings.add(WarningKind::Approximation, text::place_of(path, *line), message);
         }
         indices.push(scene.materials.len() as u32);
-        scene.materials.push(known.cloned().unwrap_or_else(default_material));
+        scene.materials.push(known.unwrap_or_else(default_material));
     }
+    scene.images = images.decode(warnings);
     build::build(&obj, &indices, &mut scene, warnings, path)?;
     Ok(scene)
 }
 
 /// Reads the material libraries; one that is not there can be done without.
-fn load_libraries(path: &Path, obj: &parse::Obj, warnings: &mut Warnings) -> Result<Library, ImportError> {
-    let folder = SceneFolder::of(path)?;
+fn load_libraries(
+    path: &Path,
+    folder: &SceneFolder,
+    obj: &parse::Obj,
+    warnings: &mut Warnings,
+) -> Result<Library, ImportError> {
     let mut library = Library::default();
     for (name, line) in &obj.libraries {
         let place = Place::new(path, line.to_string());
         match folder.read_text(name, &place) {
             Ok(bytes) => {
-                let file = path.with_file_name(name);
-                library.read(&file, &String::from_utf8_lossy(&bytes), warnings)?;
+                library.read(path, name, &String::from_utf8_lossy(&bytes), warnings)?;
             }
             Err(ImportError::MissingBuffer { .. }) => {
                 let message = format!("the material file {name:?} does not exist");

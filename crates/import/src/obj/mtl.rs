@@ -1,72 +1,87 @@
-//! Material files: what each `illum` and its colours come to.
+//! Material files: what their lines say.
 
 use std::{collections::HashMap, path::Path};
 
 use glam::Vec3;
-use midway_scene::{Material, Roughness, Surface};
+use midway_scene::Material;
 
-use super::text::{Line, joined, lines};
+use super::{
+    maps::{Map, Maps},
+    text::{Line, joined, lines},
+};
 use crate::{
     ImportError,
     warning::{WarningKind, Warnings},
 };
 
-/// Highlights sharper than this are nearer to a mirror than to nothing: a Phong exponent of 32 is
-/// a roughness of about a quarter.
-const MIRROR_EXPONENT: f32 = 32.0;
-
 /// Materials, by name.
 #[derive(Default)]
-pub(super) struct Library(HashMap<String, Material>);
+pub(super) struct Library(HashMap<String, Parameters>);
 
 impl Library {
-    pub fn get(&self, name: &str) -> Option<&Material> {
-        self.0.get(name)
+    /// The surface that a name stands for; none where the name is not known.
+    pub fn material(&self, name: &str, maps: &mut Maps) -> Result<Option<Material>, ImportError> {
+        self.0.get(name).map(|parameters| parameters.material(maps)).transpose()
     }
 
-    /// Adds a file's materials; one of a name that is known takes its place.
-    pub fn read(&mut self, file: &Path, text: &str, warnings: &mut Warnings) -> Result<(), ImportError> {
-        let text = joined(text);
+    /// Adds the materials of a file beside the scene; one of a name that is known takes its place.
+    pub fn read(
+        &mut self,
+        scene: &Path,
+        name: &str,
+        text: &str,
+        warnings: &mut Warnings,
+    ) -> Result<(), ImportError> {
+        let (file, text) = (scene.with_file_name(name), joined(text));
         let mut current: Option<Parameters> = None;
-        for line in lines(file, &text) {
+        for line in lines(&file, &text) {
             if line.keyword == "newmtl" {
-                self.finish(current.take(), warnings);
+                self.finish(current.take());
                 let (name, place) = (line.rest.to_owned(), line.short_place());
                 current = Some(Parameters { name, place, ..Parameters::default() });
             } else if let Some(parameters) = &mut current {
-                parameters.line(&line, warnings)?;
+                parameters.line(&line, name, warnings)?;
             } else {
                 return Err(line.malformed("\"newmtl\" is expected before this"));
             }
         }
-        self.finish(current, warnings);
+        self.finish(current);
         Ok(())
     }
 
-    fn finish(&mut self, parameters: Option<Parameters>, warnings: &mut Warnings) {
+    fn finish(&mut self, parameters: Option<Parameters>) {
         if let Some(parameters) = parameters {
-            self.0.insert(parameters.name.clone(), parameters.material(warnings));
+            self.0.insert(parameters.name.clone(), parameters);
         }
     }
 }
 
 /// What a material's lines say.
 #[derive(Default)]
-struct Parameters {
-    name: String,
-    place: String,
-    diffuse: Option<Vec3>,
-    specular: Option<Vec3>,
-    emission: Option<Vec3>,
-    filter: Option<Vec3>,
-    exponent: Option<f32>,
-    ior: Option<f32>,
-    dissolve: Option<f32>,
-    illum: Option<u32>,
+pub(super) struct Parameters {
+    pub name: String,
+    pub place: String,
+    pub diffuse: Option<Vec3>,
+    pub specular: Option<Vec3>,
+    pub emission: Option<Vec3>,
+    pub filter: Option<Vec3>,
+    pub exponent: Option<f32>,
+    pub ior: Option<f32>,
+    pub dissolve: Option<f32>,
+    pub illum: Option<u32>,
+    /// Of the extension for physically based rendering: Pr, Pm, Ps, Pc, Pcr, aniso, anisor.
+    pub physical: HashMap<&'static str, f32>,
+    /// By the keyword in small letters.
+    pub maps: HashMap<&'static str, Map>,
 }
 
+const PHYSICAL: [&str; 7] = ["Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "anisor"];
+/// Maps that are used.
+const MAPS: [&str; 8] = ["map_kd", "map_ks", "map_ke", "map_d", "map_pr", "map_pm", "map_ps", "norm"];
+const UNUSED_MAPS: [&str; 5] = ["bump", "disp", "decal", "refl", "displacement"];
+
 impl Parameters {
-    fn line(&mut self, line: &Line, warnings: &mut Warnings) -> Result<(), ImportError> {
+    fn line(&mut self, line: &Line, library: &str, warnings: &mut Warnings) -> Result<(), ImportError> {
         match line.keyword {
             "Kd" => self.diffuse = colour(line, warnings)?,
             "Ks" => self.specular = colour(line, warnings)?,
@@ -82,93 +97,34 @@ impl Parameters {
                 self.illum = Some(illum);
             }
             // Ambient light is what a renderer computes.
-            "Ka" => {}
-            other => warn_of_unused(other, line, warnings),
+            "Ka" | "map_Ka" => {}
+            keyword => match PHYSICAL.iter().find(|name| **name == keyword) {
+                Some(name) => {
+                    self.physical.insert(name, line.finite()?[0]);
+                }
+                None => self.map(line, library, warnings)?,
+            },
         }
         Ok(())
     }
 
-    fn material(self, warnings: &mut Warnings) -> Material {
-        let surface = self.surface(warnings);
-        // Sides are not in the format; the front is where the corners run counter-clockwise.
-        let emission = self.emission.unwrap_or(Vec3::ZERO).max(Vec3::ZERO) + Vec3::ZERO;
-        Material { name: self.name, ..Material::new(surface).emitting(emission) }
+    fn map(&mut self, line: &Line, library: &str, warnings: &mut Warnings) -> Result<(), ImportError> {
+        let keyword = line.keyword.to_ascii_lowercase();
+        let keyword = if keyword == "map_kn" { "norm" } else { &keyword };
+        match MAPS.iter().find(|name| **name == keyword) {
+            Some(name) => {
+                self.maps.insert(name, Map::parse(line, library, warnings)?);
+            }
+            None => warn_of_unused(line, warnings),
+        }
+        Ok(())
     }
 
-    fn warn(&self, kind: WarningKind, message: &str, warnings: &mut Warnings) {
+    pub fn warn(&self, kind: WarningKind, message: &str, warnings: &mut Warnings) {
         warnings.add(kind, self.place.clone(), message);
     }
 
-    fn surface(&self, warnings: &mut Warnings) -> Surface {
-        let zero = Vec3::ZERO;
-        let diffuse = self.fraction(self.diffuse.unwrap_or(zero), warnings);
-        let specular = self.fraction(self.specular.unwrap_or(zero), warnings);
-        if self.is_glass(warnings) {
-            return self.glass(warnings);
-        }
-        // Models 0 and 1 have no specular term.
-        let has_specular = specular.max_element() > 0.0 && self.illum.is_none_or(|i| i >= 2);
-        let sharp = self.exponent.unwrap_or(0.0) >= MIRROR_EXPONENT;
-        let outshines = sharp && specular.max_element() > diffuse.max_element();
-        if has_specular && (matches!(self.illum, Some(3 | 5 | 8)) || outshines) {
-            if diffuse.max_element() > 0.0 {
-                let message = "materials that are a mirror before all are rendered without their Kd";
-                self.warn(WarningKind::Approximation, message, warnings);
-            }
-            return Surface::mirror(specular);
-        }
-        if has_specular {
-            let message = "the highlights of diffuse materials (Ks) are left out";
-            self.warn(WarningKind::Approximation, message, warnings);
-        }
-        Surface::diffuse(diffuse)
-    }
-
-    /// By its illumination model, or because it is more clear than not and bends light.
-    fn is_glass(&self, warnings: &mut Warnings) -> bool {
-        if matches!(self.illum, Some(4 | 6 | 7 | 9)) {
-            return true;
-        }
-        let dissolve = self.dissolve.unwrap_or(1.0);
-        if dissolve >= 1.0 {
-            return false;
-        }
-        let glass = dissolve <= 0.5 && self.ior.is_some_and(|n| n > 1.0);
-        let message = if glass {
-            "clear materials (d up to 0.5, with Ni) are rendered as glass"
-        } else {
-            "transparency (d or Tr) is not used: the surface is rendered as opaque"
-        };
-        self.warn(WarningKind::Alpha, message, warnings);
-        glass
-    }
-
-    fn glass(&self, warnings: &mut Warnings) -> Surface {
-        let ior = match self.ior {
-            Some(ior) if ior > 0.0 => ior,
-            _ => {
-                let message = "glass without an index of refraction (Ni) above 0 has that of glass, 1.5";
-                self.warn(WarningKind::Repaired, message, warnings);
-                1.5
-            }
-        };
-        let mut tint = self.fraction(self.filter.unwrap_or(Vec3::ONE), warnings);
-        if tint == Vec3::ZERO {
-            let message = "glass that lets nothing through (Tf 0 0 0) is taken as clear";
-            self.warn(WarningKind::Repaired, message, warnings);
-            tint = Vec3::ONE;
-        }
-        Surface::Dielectric {
-            ior,
-            reflection: Vec3::ONE.into(),
-            transmission: tint.into(),
-            sigma_a: Vec3::ZERO,
-            thin: false,
-            roughness: Roughness::smooth(),
-        }
-    }
-
-    fn fraction(&self, value: Vec3, warnings: &mut Warnings) -> Vec3 {
+    pub fn fraction(&self, value: Vec3, warnings: &mut Warnings) -> Vec3 {
         let clamped = value.clamp(Vec3::ZERO, Vec3::ONE);
         if clamped != value {
             self.warn(WarningKind::Repaired, "colours outside 0 to 1 are clamped", warnings);
@@ -191,10 +147,10 @@ fn colour(line: &Line, warnings: &mut Warnings) -> Result<Option<Vec3>, ImportEr
     }
 }
 
-fn warn_of_unused(keyword: &str, line: &Line, warnings: &mut Warnings) {
-    let keyword: String = keyword.chars().take(40).filter(|c| !c.is_control()).collect();
-    let texture =
-        keyword.starts_with("map_") || matches!(&keyword[..], "bump" | "disp" | "decal" | "refl" | "norm");
+fn warn_of_unused(line: &Line, warnings: &mut Warnings) {
+    let keyword: String = line.keyword.chars().take(40).filter(|c| !c.is_control()).collect();
+    let lower = keyword.to_ascii_lowercase();
+    let texture = lower.starts_with("map_") || UNUSED_MAPS.contains(&lower.as_str());
     let (kind, what) =
         if texture { (WarningKind::Texture, "the texture ") } else { (WarningKind::Unused, "") };
     warnings.add(kind, line.short_place(), format!("{what}\"{keyword}\" is not used"));

@@ -2,11 +2,12 @@
 
 use std::{collections::HashMap, path::Path};
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::text::{Line, joined, lines};
 use crate::{
     ImportError,
+    ply::linear_from_srgb,
     warning::{WarningKind, Warnings},
 };
 
@@ -14,6 +15,10 @@ use crate::{
 #[derive(Default)]
 pub(super) struct Obj {
     pub positions: Vec<Vec3>,
+    /// Linear, one for each position, or empty where no vertex has one.
+    pub colors: Vec<Vec3>,
+    /// v grows downwards: (0, 0) is an image's top left.
+    pub texcoords: Vec<Vec2>,
     pub normals: Vec<Vec3>,
     pub faces: Vec<Face>,
     /// Corners of all faces, one after the other.
@@ -42,6 +47,7 @@ pub(super) struct Face {
 #[derive(Clone, Copy)]
 pub(super) struct Corner {
     pub position: u32,
+    pub texcoord: Option<u32>,
     pub normal: Option<u32>,
 }
 
@@ -53,7 +59,6 @@ pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<
         material: None,
         group: None,
         smoothing: 0,
-        n_texcoords: 0,
         material_indices: HashMap::new(),
         group_indices: HashMap::new(),
         warnings,
@@ -70,7 +75,6 @@ struct Parser<'w> {
     material: Option<String>,
     group: Option<String>,
     smoothing: u32,
-    n_texcoords: usize,
     material_indices: HashMap<String, u32>,
     group_indices: HashMap<String, u32>,
     warnings: &'w mut Warnings,
@@ -79,15 +83,12 @@ struct Parser<'w> {
 impl Parser<'_> {
     fn line(&mut self, line: &Line) -> Result<(), ImportError> {
         match line.keyword {
-            "v" => {
-                let position = self.vertex(line)?;
-                self.obj.positions.push(position);
-            }
+            "v" => self.vertex(line)?,
             "vn" => {
-                let normal = vector(line, "normal", self.obj.normals.len())?;
+                let normal = vector(line, &line.floats()?, "normal", self.obj.normals.len())?;
                 self.obj.normals.push(normal);
             }
-            "vt" => self.n_texcoords += 1,
+            "vt" => self.texcoord(line)?,
             "f" | "fo" => self.face(line)?,
             "o" | "g" => self.group = Some(line.rest.to_owned()),
             "usemtl" => self.material = Some(line.rest.to_owned()),
@@ -111,16 +112,36 @@ impl Parser<'_> {
         self.warnings.add(kind, line.short_place(), message);
     }
 
-    fn vertex(&mut self, line: &Line) -> Result<Vec3, ImportError> {
-        let position = vector(line, "vertex", self.obj.positions.len())?;
-        if self.obj.positions.len() >= u32::MAX as usize {
+    fn vertex(&mut self, line: &Line) -> Result<(), ImportError> {
+        let n = self.obj.positions.len();
+        let floats = line.floats()?;
+        if n >= u32::MAX as usize {
             let (place, what) = (line.place(), "too many vertices".to_owned());
             return Err(ImportError::TooBig { place, what, limit: u64::from(u32::MAX) });
         }
-        if line.words().count() >= 6 {
-            self.warn(line, WarningKind::VertexColour, "vertex colours are not used");
+        self.obj.positions.push(vector(line, &floats, "vertex", n)?);
+        // x y z [w] r g b, by the curve that those who write colours mean.
+        if let Some(at) = floats.len().checked_sub(3).filter(|at| (3..=4).contains(at)) {
+            let srgb = vector(line, &floats[at..], "vertex colour", n)?;
+            self.obj.colors.resize(n, Vec3::ONE);
+            self.obj
+                .colors
+                .push(srgb.clamp(Vec3::ZERO, Vec3::ONE).map(|x| linear_from_srgb(f64::from(x)) as f32));
+        } else if !self.obj.colors.is_empty() {
+            self.obj.colors.push(Vec3::ONE);
         }
-        Ok(position)
+        Ok(())
+    }
+
+    fn texcoord(&mut self, line: &Line) -> Result<(), ImportError> {
+        let floats = line.floats()?;
+        let uv = Vec2::new(floats[0], 1.0 - floats.get(1).copied().unwrap_or(0.0));
+        if uv.is_finite() {
+            self.obj.texcoords.push(uv);
+            return Ok(());
+        }
+        let index = self.obj.texcoords.len() as u64 + 1;
+        Err(ImportError::NotFinite { place: line.place(), what: "texture coordinate", index })
     }
 
     fn face(&mut self, line: &Line) -> Result<(), ImportError> {
@@ -149,10 +170,10 @@ impl Parser<'_> {
             Some(field) => resolve(line, field, what, len).map(Some),
         };
         let position = index("vertex", self.obj.positions.len())?;
-        index("texture coordinate", self.n_texcoords)?;
+        let texcoord = index("texture coordinate", self.obj.texcoords.len())?;
         let normal = index("normal", self.obj.normals.len())?;
         let position = position.ok_or_else(|| line.malformed("a corner of the face names no vertex"))?;
-        Ok(Corner { position, normal })
+        Ok(Corner { position, texcoord, normal })
     }
 
     fn current_material(&mut self, line: usize) -> u32 {
@@ -178,9 +199,8 @@ impl Parser<'_> {
     }
 }
 
-/// The first three numbers of a line.
-fn vector(line: &Line, what: &'static str, index: usize) -> Result<Vec3, ImportError> {
-    let floats = line.floats()?;
+/// The first three of a line's numbers.
+fn vector(line: &Line, floats: &[f32], what: &'static str, index: usize) -> Result<Vec3, ImportError> {
     let [x, y, z, ..] = floats[..] else {
         return Err(line.malformed(format!("three numbers are expected after \"{}\"", line.keyword)));
     };

@@ -107,3 +107,37 @@ pub fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
     bytes.extend(chunks);
     bytes
 }
+
+/// RGBA texels as a file.
+pub fn image_bytes(texels: &[[u8; 4]], width: u32, format: image::ImageFormat) -> Vec<u8> {
+    let height = texels.len() as u32 / width;
+    let buffer = image::RgbaImage::from_raw(width, height, texels.concat()).unwrap();
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let pixels = image::DynamicImage::from(buffer);
+    match format {
+        image::ImageFormat::Jpeg => pixels.to_rgb8().write_to(&mut bytes, format).unwrap(),
+        image::ImageFormat::Hdr => pixels.to_rgb32f().write_to(&mut bytes, format).unwrap(),
+        image::ImageFormat::OpenExr => pixels.to_rgba32f().write_to(&mut bytes, format).unwrap(),
+        _ => pixels.write_to(&mut bytes, format).unwrap(),
+    }
+    bytes.into_inner()
+}
+
+/// The triangle with texture coordinates, and a material that has `texture` as its base colour,
+/// of the image with this definition.
+pub fn textured(image: Value) -> Value {
+    let mut bytes = triangle_bytes();
+    bytes.resize(80, 0);
+    bytes.extend([[0.0f32, 0.0], [1.0, 0.0], [0.0, 1.0]].as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    let mut document = triangle();
+    document["buffers"] = json!([{"byteLength": 104, "uri": data_uri(&bytes)}]);
+    let view = json!({"buffer": 0, "byteOffset": 80, "byteLength": 24});
+    document["bufferViews"].as_array_mut().unwrap().push(view);
+    let accessor = json!({"bufferView": 3, "componentType": 5126, "count": 3, "type": "VEC2"});
+    document["accessors"].as_array_mut().unwrap().push(accessor);
+    document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(3);
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    document["textures"] = json!([{"source": 0}]);
+    document["images"] = json!([image]);
+    document
+}

@@ -1,0 +1,253 @@
+//! Images: asked for by importers as they meet them, decoded together at the end, each once.
+//!
+//! An image that is missing or damaged can be done without: it is listed, and one texel that
+//! changes nothing takes its place.
+
+mod decode;
+mod ktx;
+
+use std::{
+    collections::HashMap,
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use midway_scene::{Image, Texels};
+use rayon::prelude::*;
+
+use crate::{
+    ImportError, Place,
+    files::SceneFolder,
+    warning::{WarningKind, Warnings},
+};
+use decode::{Decoded, Problem};
+
+/// Texels that a scene may have, however small its files.
+const FREE_TEXELS: u64 = 1 << 26;
+/// Texels for each byte of the files beyond that: what flat colour compresses to, and no more.
+const TEXELS_PER_BYTE: u64 = 512;
+
+/// What the whole numbers of an image stand for. Files of floats are linear whatever is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Encoding {
+    /// Colour by the sRGB curve.
+    Srgb,
+    /// Themselves: 0 to 1.
+    Linear,
+    /// A tangent-space normal map: [`Encoding::Linear`], and flat where the image is missing.
+    Normal,
+}
+
+/// The images that a scene asks for.
+#[derive(Default)]
+pub(crate) struct Images {
+    sources: Vec<Source>,
+    known_sources: HashMap<Key, usize>,
+    requests: Vec<Request>,
+    known_requests: HashMap<(usize, Encoding), u32>,
+    held_bytes: u64,
+}
+
+enum Source {
+    File(PathBuf),
+    Bytes(Bytes),
+    Ready(Image),
+}
+
+/// A range of a buffer, shared.
+#[derive(Clone)]
+pub(crate) struct Bytes {
+    /// The buffer.
+    pub buffer: Arc<[u8]>,
+    /// First byte.
+    pub start: usize,
+    /// One past the last; at most the buffer's length.
+    pub end: usize,
+}
+
+#[derive(PartialEq, Eq, Hash)]
+enum Key {
+    File(PathBuf),
+    /// Address and length: buffers are shared, and kept until all is decoded.
+    Bytes(usize, usize),
+}
+
+struct Request {
+    source: usize,
+    encoding: Encoding,
+    name: String,
+    place: String,
+}
+
+impl Images {
+    /// An image file in the scene's folder, by a relative path that is not percent-encoded. The
+    /// index is that of the image in [`Images::decode`]'s list, the same for the same file and
+    /// encoding. None, and a warning, where there is no such file.
+    ///
+    /// # Errors
+    ///
+    /// [`ImportError`] where the path leaves the folder or names another machine.
+    pub fn file(
+        &mut self,
+        folder: &SceneFolder,
+        name: &str,
+        encoding: Encoding,
+        place: &Place,
+        warnings: &mut Warnings,
+    ) -> Result<Option<u32>, ImportError> {
+        let path = match folder.find(name, place) {
+            Ok(path) => path,
+            Err(ImportError::MissingBuffer { uri, .. }) => {
+                let message = format!("the image {uri:?} does not exist: the surface is rendered without it");
+                warnings.add(WarningKind::MissingFile, place.short(), message);
+                return Ok(None);
+            }
+            Err(other) => return Err(other),
+        };
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let source = self.source(Key::File(path.clone()), || Source::File(path));
+        Ok(Some(self.request(source, encoding, file, place)))
+    }
+
+    /// An image that lies in a buffer.
+    pub fn bytes(&mut self, bytes: Bytes, encoding: Encoding, name: String, place: &Place) -> u32 {
+        let key = Key::Bytes(bytes.get().as_ptr() as usize, bytes.get().len());
+        let source = self.source(key, || Source::Bytes(bytes));
+        self.request(source, encoding, name, place)
+    }
+
+    /// An image that an importer made.
+    pub fn ready(&mut self, image: Image) -> u32 {
+        let name = image.name.clone();
+        self.sources.push(Source::Ready(image));
+        self.request(self.sources.len() - 1, Encoding::Linear, name, &Place::default())
+    }
+
+    fn source(&mut self, key: Key, make: impl FnOnce() -> Source) -> usize {
+        let next = self.sources.len();
+        let index = *self.known_sources.entry(key).or_insert(next);
+        if index == next {
+            self.sources.push(make());
+        }
+        index
+    }
+
+    fn request(&mut self, source: usize, encoding: Encoding, name: String, place: &Place) -> u32 {
+        let next = self.requests.len() as u32;
+        let index = *self.known_requests.entry((source, encoding)).or_insert(next);
+        if index == next {
+            self.requests.push(Request { source, encoding, name, place: place.short() });
+        }
+        index
+    }
+
+    /// Counts bytes that hold images and are not files of their own: what may be decoded is
+    /// bounded by what the files hold.
+    pub fn hold(&mut self, bytes: u64) {
+        self.held_bytes = self.held_bytes.saturating_add(bytes);
+    }
+
+    /// Every image that was asked for, in the order of indices. What cannot be decoded is listed
+    /// and replaced.
+    pub fn decode(mut self, warnings: &mut Warnings) -> Vec<Image> {
+        let admitted = self.admit();
+        let decoded: Vec<Result<Decoded, Problem>> = self
+            .sources
+            .par_iter()
+            .zip(admitted)
+            .map(|(source, ok)| ok.and_then(|()| source.decode()))
+            .collect();
+        let image = |request: &Request| match &decoded[request.source] {
+            Ok(decoded) => {
+                if let Some(note) = decoded.note {
+                    warnings.add(WarningKind::Repaired, request.place.clone(), note);
+                }
+                decoded.image(request.name.clone(), request.encoding)
+            }
+            Err(problem) => {
+                let message = format!("{problem}: the surface is rendered without it");
+                warnings.add(WarningKind::Texture, request.place.clone(), message);
+                placeholder(request)
+            }
+        };
+        self.requests.iter().map(image).collect()
+    }
+
+    /// Whether each source may be decoded, by the size in its header.
+    fn admit(&mut self) -> Vec<Result<(), Problem>> {
+        let sizes: Vec<_> = self.sources.par_iter().map(Source::size).collect();
+        let held = self.sources.iter().map(Source::bytes_of_file).fold(self.held_bytes, u64::saturating_add);
+        let limit = held.saturating_mul(TEXELS_PER_BYTE).saturating_add(FREE_TEXELS);
+        let mut total = 0u64;
+        let admit = |size: Result<[u32; 2], Problem>| {
+            let [width, height] = size?;
+            total = total.saturating_add(u64::from(width) * u64::from(height));
+            if total <= limit { Ok(()) } else { Err(Problem::BeyondFiles { width, height }) }
+        };
+        sizes.into_iter().map(admit).collect()
+    }
+}
+
+/// An image in the scene's folder, at once: for what has to be computed from it.
+///
+/// # Errors
+///
+/// [`ImportError`] where it is not there, leaves the folder, or cannot be decoded.
+pub(crate) fn read_now(
+    folder: &SceneFolder,
+    name: &str,
+    encoding: Encoding,
+    place: &Place,
+) -> Result<Image, ImportError> {
+    let source = Source::File(folder.find(name, place)?);
+    let malformed =
+        |problem: Problem| ImportError::Malformed { place: place.clone(), problem: problem.to_string() };
+    let file = Path::new(name).file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(source.decode().map_err(malformed)?.image(file, encoding))
+}
+
+impl Source {
+    fn bytes_of_file(&self) -> u64 {
+        match self {
+            Self::File(path) => fs::metadata(path).map_or(0, |m| m.len()),
+            Self::Bytes(_) | Self::Ready(_) => 0,
+        }
+    }
+
+    fn size(&self) -> Result<[u32; 2], Problem> {
+        match self {
+            Self::File(path) => decode::size_of_file(path),
+            Self::Bytes(bytes) => decode::size(bytes.get(), None),
+            // Made already: asks for nothing more.
+            Self::Ready(_) => Ok([0, 0]),
+        }
+    }
+
+    fn decode(&self) -> Result<Decoded, Problem> {
+        match self {
+            Self::File(path) => {
+                let bytes = fs::read(path).map_err(|e| Problem::Unreadable(e.to_string()))?;
+                decode::decode(&bytes, extension(path).as_deref())
+            }
+            Self::Bytes(bytes) => decode::decode(bytes.get(), None),
+            Self::Ready(image) => Ok(Decoded::ready(image)),
+        }
+    }
+}
+
+impl Bytes {
+    fn get(&self) -> &[u8] {
+        &self.buffer[self.start..self.end]
+    }
+}
+
+fn extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_string_lossy().to_ascii_lowercase())
+}
+
+/// A texel that leaves a factor, or a normal, as it is.
+fn placeholder(request: &Request) -> Image {
+    let texel = if request.encoding == Encoding::Normal { [128, 128, 255, 255] } else { [255; 4] };
+    Image { name: request.name.clone(), width: 1, height: 1, texels: Texels::Linear8([texel].into()) }
+}
