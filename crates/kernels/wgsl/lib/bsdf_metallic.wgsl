@@ -82,7 +82,12 @@ fn metallic_through(material: Material, mu: f32) -> vec3<f32> {
 /// Its mean over the hemisphere, weighted by the cosine, by Gauss and Legendre's rule in the square
 /// of the cosine (4 points).
 fn metallic_through_mean(material: Material) -> vec3<f32> {
-    let outer = metallic_through(material, sqrt(0.0694318442)) + metallic_through(material, sqrt(0.930568156));
-    let inner = metallic_through(material, sqrt(0.330009478)) + metallic_through(material, sqrt(0.669990522));
-    return 0.173927423 * outer + 0.326072577 * inner;
+    var sum = vec3<f32>(0.0);
+    for (var i = 0u; i < 4u; i += 1u) {
+        let outer = i < 2u;
+        let near = select(0.330009478, 0.0694318442, outer);
+        let square = select(near, 1.0 - near, (i & 1u) != 0u);
+        sum += select(0.326072577, 0.173927423, outer) * metallic_through(material, sqrt(square));
+    }
+    return sum;
 }

@@ -15,22 +15,26 @@ fn delta_normal(frame: Frame, wo: vec3<f32>) -> vec3<f32> {
 fn sample_lobes(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>, mode: u32) -> BsdfSample {
     let front = dot(frame.ng, wo) > 0.0;
     let basis = local_basis(material, frame, wo);
-    let local = wo * basis;
-    let chances = lobe_chances(material, front, clamp(local.z, 0.0, 1.0));
-    if (u.z < chances.facets) {
-        if (is_smooth(material)) {
-            return sample_smooth(material, frame, wo, u.z / chances.facets, chances.facets, mode); // > u.z >= 0
-        }
-        let choice = u.z / chances.facets;
-        return finish_sample(material, frame, basis, wo, sample_facet(material, front, local, u.xy, choice), mode);
-    }
+    let local_o = wo * basis;
+    let chances = lobe_chances(material, front, clamp(local_o.z, 0.0, 1.0));
     let rest = u.z - chances.facets;
-    if (rest < chances.coat) {
-        return sample_coat(material, frame, basis, wo, u.xy, chances.coat, mode);
+    var local = vec3<f32>(0.0);
+    if (rest < 0.0) {
+        let choice = u.z / chances.facets; // > u.z >= 0
+        if (is_smooth(material)) {
+            return sample_smooth(material, frame, wo, choice, chances.facets, mode);
+        }
+        local = sample_facet(material, front, local_o, u.xy, choice);
+    } else if (rest < chances.coat) {
+        if (material.coat_alpha == 0.0) {
+            return sample_smooth_coat(material, frame, wo, chances.coat);
+        }
+        local = sample_coat_facet(material, local_o, u.xy);
+    } else {
+        let up = sample_cosine_hemisphere(u.xy);
+        local = select(up, vec3<f32>(up.xy, -up.z), rest - chances.coat < chances.transmitted);
     }
-    let up = sample_cosine_hemisphere(u.xy);
-    let down = rest - chances.coat < chances.transmitted;
-    return finish_sample(material, frame, basis, wo, select(up, vec3<f32>(up.xy, -up.z), down), mode);
+    return finish_sample(material, frame, basis, wo, local, mode);
 }
 
 /// A direction drawn from a density, with the sum of all lobes; wi local, 0 for none.
@@ -62,16 +66,16 @@ fn sample_facet(material: Material, front: bool, wo: vec3<f32>, u: vec2<f32>, ch
     return select(vec3<f32>(0.0), wi, wi.z < 0.0);
 }
 
-fn sample_coat(material: Material, frame: Frame, basis: mat3x3<f32>, wo: vec3<f32>, u: vec2<f32>, chance: f32, mode: u32) -> BsdfSample {
-    if (material.coat_alpha > 0.0) {
-        let local = wo * basis;
-        if (local.z <= 0.0) {
-            return no_sample();
-        }
-        let h = sample_ggx_normal(vec2<f32>(material.coat_alpha), local, u);
-        let reflected = 2.0 * dot(local, h) * h - local;
-        return finish_sample(material, frame, basis, wo, select(vec3<f32>(0.0), reflected, reflected.z > 0.0), mode);
+fn sample_coat_facet(material: Material, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
+    if (wo.z <= 0.0) {
+        return vec3<f32>(0.0);
     }
+    let h = sample_ggx_normal(vec2<f32>(material.coat_alpha), wo, u);
+    let reflected = 2.0 * dot(wo, h) * h - wo;
+    return select(vec3<f32>(0.0), reflected, reflected.z > 0.0);
+}
+
+fn sample_smooth_coat(material: Material, frame: Frame, wo: vec3<f32>, chance: f32) -> BsdfSample {
     let n = delta_normal(frame, wo);
     let cos_o = min(dot(n, wo), 1.0);
     let weight = (1.0 - coat_through(material, cos_o)) / chance; // > 0: it was chosen by it
