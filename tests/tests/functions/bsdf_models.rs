@@ -87,7 +87,12 @@ fn models_keep_energy() {
             let error = 3.0 * albedo.standard_error;
             println!("{} at {cosine}: {:.4} +- {:.4}", model.name, albedo.mean, albedo.standard_error);
             assert!(albedo.mean <= high + error, "{} at {cosine}: {}", model.name, albedo.mean);
-            assert!(model.loss.is_nan() || albedo.mean >= low - error, "{} at {cosine}: {}", model.name, albedo.mean);
+            assert!(
+                model.loss.is_nan() || albedo.mean >= low - error,
+                "{} at {cosine}: {}",
+                model.name,
+                albedo.mean
+            );
         }
     }
 }
