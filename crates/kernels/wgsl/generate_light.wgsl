@@ -50,6 +50,9 @@ fn generate_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
         return;
     }
     let throughput = point.emission * (emitted.factor / (point.pdf * pdf_direction));
+    if (!any(throughput > vec3<f32>(0.0))) {
+        return; // the edge of a spot: its vertices would be chosen by an importance of 0
+    }
     let config = mis_config();
     let ending = ending_chance(config, params.emitter_survival);
     let state = mis_begin_light(config, point.pdf, point.pdf, pdf_direction, emitted.cos_light, ending);
