@@ -9,6 +9,7 @@ use midway_scene::{
 
 use crate::{
     estimate::{Expected, combine},
+    lit,
     shapes::{Shape, add, camera, diffuse, glass, mirror},
 };
 
@@ -21,17 +22,26 @@ pub struct Known {
     pub scene: Scene,
     /// Its image, exact.
     pub expected: Expected,
-    /// Whether the integrator `light` sees all of it: no specular surface is in view.
+    /// Whether the integrator `light` sees all of it: neither a specular surface nor the environment
+    /// is in view.
     pub light_sees: bool,
+    /// Whether `path-naive` does: all light comes from what a path can hit.
+    pub naive_sees: bool,
 }
 
 /// Pixels along both sides: whole blocks.
 pub const SIZE: usize = 32;
 
 impl Known {
-    fn new(name: &'static str, scene: Scene, light_sees: bool, radiance: impl Fn(f64, f64) -> Vec3) -> Self {
+    /// A scene of area lights and environments; `radiance` at points of the film in [-1, 1]², y up.
+    pub fn new(
+        name: &'static str,
+        scene: Scene,
+        light_sees: bool,
+        radiance: impl Fn(f64, f64) -> Vec3,
+    ) -> Self {
         let mean = Image::from_fn(SIZE, SIZE, |x, y| pixel_mean(x, y, &radiance).to_array());
-        Self { name, scene, expected: Expected { mean, standard_error: None }, light_sees }
+        Self { name, scene, expected: Expected { mean, standard_error: None }, light_sees, naive_sees: true }
     }
 }
 
@@ -49,6 +59,9 @@ pub fn all() -> Vec<Known> {
         lamp_in_glass(),
         camera_in_glass(),
     ]
+    .into_iter()
+    .chain(lit::all())
+    .collect()
 }
 
 /// The mean over a pixel of what is seen at points of the film in [-1, 1]², y up.

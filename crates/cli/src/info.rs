@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::{
     args::InfoArgs,
-    console,
+    console, light_info,
     scene_file::{self, LoadedScene},
     status::Outcome,
 };
@@ -19,7 +19,7 @@ pub fn run(args: &InfoArgs) -> Outcome {
     if args.json {
         return console::output(&to_json(&loaded).to_string());
     }
-    scene_file::print_warnings(&loaded.warnings);
+    scene_file::print_warnings(&loaded.warnings());
     to_lines(&loaded.scene).iter().try_for_each(|line| console::output(line))
 }
 
@@ -36,7 +36,8 @@ fn to_json(loaded: &LoadedScene) -> Value {
         "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
         "materials": Value::from_iter(scene.materials.iter().map(material_json)),
         "cameras": Value::from_iter(scene.cameras.iter().map(camera_json)),
-        "warnings": loaded.warnings,
+        "lighting": light_info::to_json(scene),
+        "warnings": loaded.warnings(),
     })
 }
 
@@ -77,6 +78,7 @@ pub fn to_lines(scene: &Scene) -> Vec<String> {
         };
         format!("  {index} {}: {view}{aspect}", name(&camera.name))
     }));
+    lines.extend(light_info::to_lines(scene));
     lines.push(format!("materials  {}", counts.materials));
     lines.extend(scene.materials.iter().enumerate().map(|(index, material)| {
         let [r, g, b] = material.emission.value.to_array();

@@ -10,6 +10,7 @@ mod console;
 mod devices;
 mod guard;
 mod info;
+mod light_info;
 mod render;
 mod scene_file;
 mod status;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use midway_import::{NO_LIGHT, Warning, WarningKind};
 use midway_scene::Scene;
 
 use crate::{
@@ -14,7 +15,20 @@ pub struct LoadedScene {
     /// Valid by [`Scene::validate`], as the importer promises.
     pub scene: Scene,
     /// What the file has and Midway does not use, once each.
-    pub warnings: Vec<String>,
+    warnings: Vec<String>,
+}
+
+impl LoadedScene {
+    /// Adds to the warnings.
+    pub fn warn(&mut self, warnings: &[Warning]) {
+        self.warnings.extend(warnings.iter().map(ToString::to_string));
+    }
+
+    /// What was left out, and whether the image will be black.
+    pub fn warnings(&self) -> Vec<String> {
+        let no_light = (!self.scene.has_light()).then(|| NO_LIGHT.to_owned());
+        self.warnings.iter().cloned().chain(no_light).collect()
+    }
 }
 
 /// Reads and checks a scene file.
@@ -23,8 +37,11 @@ pub struct LoadedScene {
 /// [`Status::Input`], naming the file.
 pub fn load(path: &Path) -> Outcome<LoadedScene> {
     let import = midway_import::load(path).or_status(Status::Input)?;
-    let warnings = import.warnings.iter().map(ToString::to_string).collect();
-    Ok(LoadedScene { scene: import.scene, warnings })
+    let mut loaded = LoadedScene { scene: import.scene, warnings: Vec::new() };
+    // Flags may bring light: whether there is any is asked when the warnings are.
+    let of_file = import.warnings.into_iter().filter(|warning| warning.kind != WarningKind::NoLight);
+    loaded.warn(&of_file.collect::<Vec<_>>());
+    Ok(loaded)
 }
 
 /// Prints the warnings, each on a line.

@@ -13,6 +13,7 @@
 //! # Ok::<(), midway_import::ImportError>(())
 //! ```
 
+mod environment;
 mod error;
 mod files;
 mod geometry;
@@ -29,11 +30,15 @@ use midway_scene::{Camera, Material, Scene, Surface};
 
 use warning::Warnings;
 
+pub use environment::load_environment;
 pub use error::{ImportError, Place};
 pub use warning::{Warning, WarningKind};
 
 /// The formats read, for messages and help.
 pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
+
+/// What is said of a scene without lights.
+pub const NO_LIGHT: &str = "nothing emits light: the image will be black";
 
 /// A scene as read, and what was left out of it.
 #[derive(Clone, Debug)]
@@ -86,9 +91,8 @@ fn complete(path: &Path, scene: &mut Scene, warnings: &mut Warnings) -> Result<(
         scene.cameras.push(Camera::framing(&scene.bounds(), 1.0));
         warnings.add(WarningKind::NoCamera, "", "there is no camera: one is placed that sees everything");
     }
-    let dark = scene.counts().emissive_triangles == 0 && scene.lights.is_empty();
-    if dark && scene.environment.is_none() {
-        warnings.add(WarningKind::NoLight, "", "nothing emits light: the image will be black");
+    if !scene.has_light() {
+        warnings.add(WarningKind::NoLight, "", NO_LIGHT);
     }
     Ok(())
 }

@@ -7,6 +7,8 @@
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/shaded.wgsl"
+#include "bindings/environment.wgsl"
+#include "bindings/lights.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
@@ -14,6 +16,7 @@
 #include "bindings/vertex.wgsl"
 #include "bindings/stored_vertex.wgsl"
 #include "bindings/join_choice.wgsl"
+#include "bindings/light_join.wgsl"
 
 @compute @workgroup_size(64)
 fn connect(@builtin(global_invocation_id) invocation: vec3<u32>) {
@@ -59,6 +62,10 @@ fn join(path: Path, vertex: Vertex, choice: Choice) {
     if (!length_allowed(stored.s, t)) {
         return;
     }
+    if (stored.s == 1u) {
+        join_emitter(path, vertex, stored, choice.weight);
+        return;
+    }
     let y = load_join_vertex(stored);
     let joined = evaluate_join(path, vertex, stored, y);
     let weight = strategy_weight(stored.s, t, joined.mis_weight);
@@ -67,4 +74,13 @@ fn join(path: Path, vertex: Vertex, choice: Choice) {
         push_shadow_ray(path.index, offset_origin(vertex.surface.position, normal_towards(vertex.surface, joined.wi)),
             offset_origin(stored.position, normal_towards(y.surface, -joined.wi)), contribution);
     }
+}
+
+/// Strategy (1, t) of single-step without next-event estimation: y_0 is where the light path ended.
+fn join_emitter(path: Path, vertex: Vertex, stored: LightVertex, estimator: f32) {
+    let config = mis_config();
+    let light = load_light(stored.link);
+    let point = light_point(light, vec2<f32>(stored.u, stored.v), stored.wo);
+    let factor = emitter_factor(config, ending_chance(config, params.emitter_survival), vertex.ending);
+    join_light(path, vertex, see_light(light, point, vertex.surface.position), factor, estimator);
 }

@@ -22,6 +22,6 @@ fn generate_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let direction = camera_direction(params.camera, corner + jitter);
     let pdf = camera_pdf_sa(params.camera, dot(direction, params.camera.forward));
     let state = mis_begin_camera(mis_config(), pdf);
-    store_path(id, Path(params.camera.origin, pixel, direction, 0u, 0u, vec3<f32>(1.0), sample, state, params.camera_medium));
+    store_path(id, Path(params.camera.origin, pixel, direction, 0u, 0u, false, vec3<f32>(1.0), sample, state, params.camera_medium));
     queues[(1u - atomicLoad(&counters[COUNT_PARITY])) * params.n_paths + id] = id;
 }

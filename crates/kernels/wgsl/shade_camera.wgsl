@@ -7,11 +7,14 @@
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/shaded.wgsl"
+#include "bindings/environment.wgsl"
+#include "bindings/lights.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
 #include "bindings/film.wgsl"
 #include "bindings/vertex.wgsl"
+#include "bindings/light_join.wgsl"
 
 @compute @workgroup_size(64)
 fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
@@ -27,6 +30,9 @@ fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     let hit = load_hit(id);
     if (hit.triangle == NONE) {
+        if (params.environment_at != NONE && has_flag(FLAG_HIT)) {
+            add_environment(path);
+        }
         return;
     }
     let vertex = arrive(path, hit);
@@ -35,7 +41,7 @@ fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
         add_emission(path, vertex, t);
     }
     if (has_flag(FLAG_NEE) && params.n_lights != 0u && is_connectible(vertex.material) && length_allowed(1u, t)) {
-        sample_light(path, vertex, t);
+        sample_light(path, vertex);
     }
     let u = scatter_numbers(path, 0u);
     if (u.w >= vertex.survival || !length_allowed(0u, t + 1u)) {
@@ -60,7 +66,7 @@ fn add_emission(path: Path, vertex: Vertex, t: u32) {
     if (t > 2u) {
         let config = mis_config();
         let light = load_light(vertex.surface.light);
-        let pdf_position = light.pmf / light.area; // area > 0
+        let pdf_position = light.pmf / light.measure; // measure > 0
         let emits_back = (vertex.material.flags & MATERIAL_EMITS_BACK) != 0u;
         let pdf_emission = pdf_position * emission_pdf_sa(cos_front, emits_back) * params.emitter_survival;
         let ending_y = ending_chance(config, params.emitter_survival);
@@ -70,43 +76,28 @@ fn add_emission(path: Path, vertex: Vertex, t: u32) {
     film_add(path.index, vertex.throughput * radiance * strategy_weight(0u, t, weight));
 }
 
+/// Strategy (0, t) at infinity, before any arrival: densities are per solid angle.
+fn add_environment(path: Path) {
+    let t = path.depth + 2u;
+    let environment = load_environment();
+    let seen = environment_towards(environment, path.direction);
+    var weight = 1.0; // seen directly: by no other strategy
+    if (t > 2u && environment.light != NONE) {
+        let config = mis_config();
+        let light = load_light(environment.light);
+        let pdf_direct = light.pmf * seen.pdf;
+        let pdf_emission = pdf_direct * params.emitter_survival / light.measure; // measure > 0
+        let factor = emitter_factor(config, ending_chance(config, params.emitter_survival), path.mis.ending);
+        weight = mis_weight_hit(config, path.mis, factor, pdf_direct, pdf_emission);
+    }
+    film_add(path.index, path.throughput * medium_transmittance(path.medium, F32_MAX) * seen.radiance
+        * strategy_weight(0u, t, weight));
+}
+
 /// Strategy (1, t): a point on a light drawn for this vertex.
-fn sample_light(path: Path, vertex: Vertex, t: u32) {
+fn sample_light(path: Path, vertex: Vertex) {
     let u = random(path.index, path.sample, dimension(DRAW_NEE, path.depth));
     let light = load_light(pick_light(u.x));
-    let uv = sample_triangle(u.yz);
-    let shaded = load_emitter(light.triangle, uv.x, uv.y);
-    let on_light = shaded.surface;
-    let emitter = shaded.material;
-    let between = on_light.position - vertex.surface.position;
-    let distance_squared = dot(between, between);
-    if (distance_squared == 0.0) {
-        return;
-    }
-    let distance = sqrt(distance_squared);
-    let wi = between / distance;
-    let cos_light = dot(on_light.ng, -wi);
-    let radiance = emitted_radiance(emitter, cos_light);
-    let f = bsdf_eval(vertex.material, frame_of(vertex.surface), vertex.wo, wi, TRANSPORT_RADIANCE);
-    if (!contributes(radiance * f)) {
-        return;
-    }
-    let config = mis_config();
-    let pdf_position = light.pmf / light.area; // area > 0
-    let emits_back = (emitter.flags & MATERIAL_EMITS_BACK) != 0u;
-    let cos_surface = abs(dot(vertex.surface.ng, wi));
-    let pdf_hit = scatter_pdf(vertex, vertex.wo, wi) * abs(cos_light) / distance_squared;
-    let pdf_emit = emission_pdf_sa(cos_light, emits_back) * params.emitter_survival * cos_surface / distance_squared;
-    let earlier = mis_earlier(config, vertex.mis, camera_previous_factor(config, t, vertex.mis, vertex.ending),
-        scatter_pdf(vertex, wi, vertex.wo));
-    let weight = mis_weight_emitter(config, 1.0, pdf_hit, pdf_position, pdf_position, pdf_emit, earlier);
-    let geometry = abs(dot(vertex.surface.ns, wi)) * abs(cos_light) / distance_squared;
-    let leaving = medium_towards(path.medium, vertex.surface, vertex.material, vertex.wo, wi);
-    let medium = medium_before(leaving, on_light, emitter, -wi);
-    let contribution = vertex.throughput * f * radiance * medium_transmittance(medium, distance)
-        * (geometry / pdf_position * strategy_weight(1u, t, weight));
-    if (contributes(contribution)) {
-        push_shadow_ray(path.index, offset_origin(vertex.surface.position, normal_towards(vertex.surface, wi)),
-            offset_origin(on_light.position, normal_towards(on_light, -wi)), contribution);
-    }
+    let point = draw_light_point(light, u.yz, path.index, path.sample, dimension(DRAW_ENVIRONMENT, path.depth));
+    join_light(path, vertex, see_light(light, point, vertex.surface.position), 1.0, 1.0);
 }

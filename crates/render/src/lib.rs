@@ -14,6 +14,7 @@
 
 mod batch;
 mod buffers;
+mod environment;
 mod error;
 mod lights;
 mod medium;

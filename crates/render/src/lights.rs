@@ -1,23 +1,41 @@
-//! Area lights: one for each emissive triangle with area, chosen by power through an alias table.
+//! All lights, chosen by power through an alias table: one for each emissive triangle with area,
+//! those without extent, and the environment.
 
-use midway_scene::{Material, Sides, WorldTriangle};
+use std::f64::consts::{PI, TAU};
 
-/// One emissive triangle.
+use glam::{DVec3, Vec3};
+use midway_scene::{LightKind, Scene, Sides, Sphere, WorldTriangle};
+
+use crate::environment::EnvironmentMap;
+
+/// What a light is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightSource {
+    /// Index of an emissive triangle in the world's order.
+    Triangle(u32),
+    /// Index into [`Scene::lights`].
+    Delta(u32),
+    /// The scene's environment.
+    Environment,
+}
+
+/// One light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AreaLight {
-    /// Index of the triangle in the world's order.
-    pub triangle: u32,
-    /// Its area.
-    pub area: f32,
-    /// What it is chosen by: emitted power (luminance, both sides where both emit), relative.
+pub struct Light {
+    /// What it is.
+    pub source: LightSource,
+    /// What is drawn from uniformly, > 0: a triangle's area; the solid angle that a point light
+    /// shines into; at infinity the area of the disk that covers the scene.
+    pub measure: f32,
+    /// What it is chosen by: the luminance of its power, W.
     pub power: f64,
 }
 
 /// The lights of a scene, with the alias table that draws them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lights {
-    /// The lights.
-    pub lights: Vec<AreaLight>,
+    /// Triangles first, the environment last.
+    pub lights: Vec<Light>,
     /// For each light its chance, threshold and alias.
     pub table: Vec<AliasEntry>,
 }
@@ -34,25 +52,64 @@ pub struct AliasEntry {
 }
 
 impl Lights {
-    /// Collects the emissive triangles, each given with its index.
-    pub fn collect(triangles: impl Iterator<Item = (u32, WorldTriangle)>, materials: &[Material]) -> Lights {
-        let lights: Vec<AreaLight> = triangles
-            .filter_map(|(index, triangle)| {
-                let material = &materials[triangle.material as usize];
-                let e = material.emission.value.as_dvec3();
-                let area = triangle.area();
-                let sides = if material.emits == Sides::Both { 2.0 } else { 1.0 };
-                let luminance = 0.2126 * e.x + 0.7152 * e.y + 0.0722 * e.z;
-                let power = luminance * f64::from(area) * sides;
-                (power > 0.0 && power.is_finite()).then_some(AreaLight { triangle: index, area, power })
-            })
-            .collect();
+    /// Collects the lights of a valid scene: its emissive triangles, each given with its index, the
+    /// lights that are not surfaces, and the environment. `mean_emission`: radiance over a
+    /// triangle's front.
+    pub fn collect(
+        scene: &Scene,
+        triangles: impl Iterator<Item = (u32, WorldTriangle)>,
+        sphere: Sphere,
+        environment: Option<&EnvironmentMap>,
+        mean_emission: impl Fn(&WorldTriangle) -> Vec3,
+    ) -> Lights {
+        let disk = PI * f64::from(sphere.radius).powi(2);
+        let area_lights = triangles.map(|(index, triangle)| {
+            let both = scene.materials[triangle.material as usize].emits == Sides::Both;
+            let area = triangle.area();
+            let exitance = luminance(mean_emission(&triangle).as_dvec3()) * PI * if both { 2.0 } else { 1.0 };
+            Light { source: LightSource::Triangle(index), measure: area, power: exitance * f64::from(area) }
+        });
+        let deltas = (0u32..).zip(&scene.lights).map(|(index, light)| Light {
+            source: LightSource::Delta(index),
+            measure: emission_measure(&light.kind, disk) as f32,
+            power: luminance(light.kind.power(sphere.radius.into())),
+        });
+        let around = environment.map(|map| Light {
+            source: LightSource::Environment,
+            measure: disk as f32,
+            power: map.total * disk,
+        });
+        let counts = |light: &Light| {
+            light.power > 0.0 && light.power.is_finite() && light.measure > 0.0 && light.measure.is_finite()
+        };
+        let lights: Vec<Light> = area_lights.chain(deltas).chain(around).filter(counts).collect();
         let table = alias_table(&lights.iter().map(|l| l.power).collect::<Vec<_>>());
         Lights { lights, table }
     }
+
+    /// The environment's place, if it is among them.
+    pub fn environment(&self) -> Option<u32> {
+        let last = self.lights.last()?;
+        (last.source == LightSource::Environment).then(|| self.lights.len() as u32 - 1)
+    }
 }
 
-/// Vose's construction. All weights are finite and positive.
+/// What emission is drawn from: a solid angle, or the disk that covers the scene.
+fn emission_measure(light: &LightKind, disk: f64) -> f64 {
+    match *light {
+        LightKind::Point { .. } => 2.0 * TAU,
+        LightKind::Spot { outer_angle, .. } => 2.0 * TAU * (0.5 * f64::from(outer_angle)).sin().powi(2),
+        LightKind::Directional { .. } => disk,
+    }
+}
+
+/// Rec. 709 luminance.
+pub fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// Vose's construction. Weights are finite and not negative; one at least is positive, or there are
+/// none. What weighs nothing is never drawn.
 pub fn alias_table(weights: &[f64]) -> Vec<AliasEntry> {
     let total: f64 = weights.iter().sum();
     let n = weights.len();
@@ -62,7 +119,8 @@ pub fn alias_table(weights: &[f64]) -> Vec<AliasEntry> {
         .map(|(i, w)| AliasEntry { pmf: (w / total) as f32, threshold: 1.0, alias: i })
         .collect();
     let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| scaled[i] < 1.0);
-    while let (Some(s), Some(&l)) = (small.pop(), large.last()) {
+    while let (Some(&s), Some(&l)) = (small.last(), large.last()) {
+        small.pop();
         table[s].threshold = scaled[s] as f32;
         table[s].alias = l as u32;
         scaled[l] -= 1.0 - scaled[s];
@@ -70,6 +128,12 @@ pub fn alias_table(weights: &[f64]) -> Vec<AliasEntry> {
             large.pop();
             small.push(l);
         }
+    }
+    // Rounding leaves some that lack a little of 1, and may leave some that weigh nothing.
+    let heaviest = (0..n).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default();
+    for s in small {
+        table[s].threshold = scaled[s] as f32;
+        table[s].alias = heaviest as u32;
     }
     table
 }
@@ -80,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_table_draws_each_entry_by_its_weight() {
-        let weights = [3.0, 1.0, 0.5, 7.0, 1e-3, 2.0];
+        let weights = [3.0, 1.0, 0.5, 0.0, 7.0, 1e-3, 2.0, 0.0];
         let table = alias_table(&weights);
         let total: f64 = weights.iter().sum();
         for (i, weight) in weights.iter().enumerate() {
@@ -93,6 +157,7 @@ mod tests {
             chance /= weights.len() as f64;
             assert!((chance - weight / total).abs() <= 1e-7, "{i}: {chance}");
             assert!((f64::from(table[i].pmf) - weight / total).abs() <= 1e-7);
+            assert!(*weight > 0.0 || chance == 0.0);
         }
     }
 }

@@ -13,6 +13,15 @@ pub struct Bounds {
     pub max: Vec3,
 }
 
+/// A ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Its middle.
+    pub centre: Vec3,
+    /// > 0.
+    pub radius: f32,
+}
+
 impl Bounds {
     /// Holds nothing.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
@@ -70,6 +79,17 @@ impl Bounds {
     /// Its middle; NaN where empty.
     pub fn centre(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5
+    }
+
+    /// A sphere around it, a little larger than need be, so that rounding leaves nothing outside.
+    pub fn sphere(&self) -> Sphere {
+        if self.is_empty() {
+            return Sphere { centre: Vec3::ZERO, radius: 1.0 };
+        }
+        let largest = self.min.abs().max(self.max.abs()).max_element();
+        let half = 0.5 * (self.max.as_dvec3() - self.min.as_dvec3()).length() as f32;
+        let radius = half * 1.0001 + largest * (8.0 * f32::EPSILON);
+        Sphere { centre: self.centre(), radius: radius.max(1e-15) }
     }
 
     /// Its extents; negative where empty.

@@ -10,12 +10,13 @@ mod flatten;
 mod hash;
 mod light;
 mod material;
+mod power;
 mod texture;
 mod validate;
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-pub use bounds::Bounds;
+pub use bounds::{Bounds, Sphere};
 pub use error::SceneError;
 pub use flatten::{PlacedMesh, WorldTriangle};
 pub use light::{Environment, Light, LightKind, SpotFalloff};

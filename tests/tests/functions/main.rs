@@ -8,6 +8,7 @@ mod bsdf_models;
 mod bsdf_sampling;
 mod chi_square;
 mod film;
+mod lights;
 mod maths;
 mod mis;
 mod models;

@@ -29,6 +29,24 @@ fn sine_and_cosine_keep_their_claims() {
 }
 
 #[test]
+fn circle_and_angle_keep_their_claims() {
+    let circle = largest_error(-1.0, 1.0, 1_000_000, |turns| {
+        let exact = (f64::from(turns) * std::f64::consts::TAU).sin_cos();
+        let point = lib::unit_circle(turns);
+        (f64::from(point.x) - exact.1).abs().max((f64::from(point.y) - exact.0).abs())
+    });
+    let angle = largest_error(-1.0, 1.0, 1_000_000, |turns| {
+        let (y, x) = (f64::from(turns) * 3.1).sin_cos();
+        let (y, x) = ((1e3 * y) as f32, (1e3 * x) as f32);
+        (f64::from(lib::angle_of(y, x)) - f64::from(y).atan2(f64::from(x))).abs()
+    });
+    println!("largest errors: circle {circle:e}, angle {angle:e}");
+    assert!(circle <= 3e-7, "the circle is off by {circle:e}");
+    assert!(angle <= 5e-7, "the angle is off by {angle:e}");
+    assert_eq!(lib::angle_of(0.0, 0.0), 0.0);
+}
+
+#[test]
 fn exponential_keeps_its_claim() {
     let error = |x: f32| {
         let exact = f64::from(x).exp();

@@ -1,18 +1,19 @@
 //! Integrators against each other, where there is no closed form.
 
 use midway_render::Integrator;
+use midway_scene::Scene;
 use midway_tests::{
     estimate::{Agreement, Blocks, cpu},
     integrators::{self, Case},
-    scenes,
+    lit, scenes,
 };
 
 use crate::support::{Report, estimate, in_turn};
 
 /// Samples a pixel by `path`: about 1 s a case.
 const SAMPLES: u64 = 384;
-/// `path-naive` draws nothing that `light` and the joins rely on: it is what they are held to, with
-/// so many times the samples.
+/// What integrators are held to takes so many times the samples: `path-naive`, as it draws nothing
+/// that `light` and the joins rely on, or `path` where there are lights that cannot be hit.
 const AGAINST: u64 = 8;
 
 /// Shading normals that differ from the geometry's make scattering asymmetric: without the adjoint
@@ -20,16 +21,27 @@ const AGAINST: u64 = 8;
 #[test]
 fn integrators_agree_on_shading_normals() {
     let _turn = in_turn();
-    let scene = scenes::leaning_normals();
+    agree(&scenes::leaning_normals(), &integrators::path_naive());
+}
+
+/// A lamp, a point light, a spot, the sun and a sky in one room: each is one kind in the choice of
+/// lights, and has strategies of its own.
+#[test]
+fn integrators_agree_on_all_lights_at_once() {
+    let _turn = in_turn();
+    agree(&lit::room_with_all_lights(), &integrators::path());
+}
+
+fn agree(scene: &Scene, reference: &Case) {
     let in_use = vec![true; scenes::SIZE * scenes::SIZE];
     let blocks = |case: &Case, samples| {
-        Blocks::of_batches(&estimate(&cpu(), &scene, scenes::SIZE, case, samples), &in_use)
+        Blocks::of_batches(&estimate(&cpu(), scene, scenes::SIZE, case, samples), &in_use)
     };
-    let expected = blocks(&integrators::path_naive(), AGAINST * SAMPLES);
+    let expected = blocks(reference, AGAINST * SAMPLES);
     let mut report = Report::default();
-    let held =
-        integrators::all().into_iter().filter(|case| case.settings.integrator != Integrator::PathNaive);
-    for case in held {
+    let of = |case: &Case| case.settings.integrator;
+    let sees = |case: &Case| of(case) != Integrator::PathNaive && of(case) != of(reference);
+    for case in integrators::all().into_iter().filter(sees) {
         let agreement = Agreement::of(&blocks(&case, SAMPLES), &expected);
         report.check_where_reachable(&case.name(), &agreement);
     }

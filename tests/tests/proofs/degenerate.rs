@@ -1,12 +1,14 @@
 //! Scenes at the edge of what makes sense: they render to the end, nothing is rejected, and what
 //! has a known answer has it.
 
-use glam::{Mat4, Vec3};
+use glam::{Mat3, Mat4, Vec3};
 use midway_film::Image;
-use midway_scene::Scene;
+use midway_render::Integrator;
+use midway_scene::{Environment, Light, LightKind, Scene, SpotFalloff};
 use midway_tests::{
     estimate::{Agreement, Blocks, cpu, render},
-    integrators, scenes,
+    integrators::{self, Case},
+    scenes,
     shapes::{Shape, add, camera, diffuse, glass, mirror},
 };
 
@@ -17,9 +19,20 @@ const SIZE: usize = 16;
 
 /// Renders by every integrator; `holds` says whether an image is as it should be.
 fn renders(scene: &Scene, holds: impl Fn(&Image) -> bool) {
+    renders_by(integrators::all(), scene, holds);
+}
+
+/// By all that see lights which cannot be hit.
+fn renders_where_lit(scene: &Scene, holds: impl Fn(&Image) -> bool) {
+    let mut cases = integrators::all();
+    cases.retain(|case| case.settings.integrator != Integrator::PathNaive);
+    renders_by(cases, scene, holds);
+}
+
+fn renders_by(cases: Vec<Case>, scene: &Scene, holds: impl Fn(&Image) -> bool) {
     let _turn = in_turn();
     let mut report = Report::default();
-    for case in integrators::all() {
+    for case in cases {
         let image = render(&cpu(), scene, &settings(SIZE, case.settings, 3), 4);
         let finite = image.pixels.as_flattened().iter().all(|value| value.is_finite() && *value >= 0.0);
         report.note(&case.name(), finite && holds(&image));
@@ -59,6 +72,55 @@ fn a_lamp_too_weak_to_be_chosen_renders() {
     let mut scene = room(Vec3::ONE);
     let lamp = Shape::parallelogram(Vec3::new(-0.5, -0.9, -0.5), Vec3::Z, Vec3::X * 1e-3);
     add(&mut scene, lamp, diffuse(Vec3::splat(0.5), Vec3::splat(1e-36)));
+    renders(&scene, is_lit);
+}
+
+fn with_lights(mut scene: Scene, kinds: &[LightKind]) -> Scene {
+    scene.lights.extend(kinds.iter().map(|&kind| Light { name: String::new(), kind }));
+    scene
+}
+
+fn spot(inner_angle: f32, outer_angle: f32, falloff: SpotFalloff) -> LightKind {
+    let (position, direction) = (Vec3::new(0.0, 0.9, 0.0), Vec3::NEG_Y);
+    LightKind::Spot { position, direction, intensity: Vec3::ONE, inner_angle, outer_angle, falloff }
+}
+
+#[test]
+fn lights_of_no_intensity_are_black() {
+    let dark = [
+        LightKind::Point { position: Vec3::ZERO, intensity: Vec3::ZERO },
+        LightKind::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ZERO },
+    ];
+    let mut scene = with_lights(room(Vec3::ZERO), &dark);
+    let radiance = Vec3::ZERO;
+    scene.environment = Some(Environment { radiance, image: None, world_from_environment: Mat3::IDENTITY });
+    renders(&scene, Image::is_black);
+}
+
+/// Cones that f32 can hardly tell apart, without a core, of all directions, and a lamp in a wall.
+#[test]
+fn odd_spots_and_point_lights_render() {
+    let mut kinds = vec![LightKind::Point { position: Vec3::new(0.2, 1.0, 0.1), intensity: Vec3::ONE }];
+    for falloff in [SpotFalloff::CosineSquared, SpotFalloff::Smoothstep, SpotFalloff::Angle] {
+        kinds.extend([
+            spot(0.0, 1e-4, falloff),
+            spot(0.0, std::f32::consts::PI, falloff),
+            spot(0.5, 0.500_000_06, falloff),
+        ]);
+    }
+    renders_where_lit(&with_lights(room(Vec3::ZERO), &kinds), is_lit);
+}
+
+#[test]
+fn one_triangle_in_an_environment_renders() {
+    let mut scene = Scene::default();
+    let triangle =
+        Shape { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], normals: vec![], triangles: vec![[0, 1, 2]] };
+    add(&mut scene, triangle, diffuse(Vec3::splat(0.5), Vec3::ZERO));
+    let radiance = Vec3::ONE;
+    scene.environment = Some(Environment { radiance, image: None, world_from_environment: Mat3::IDENTITY });
+    // Far outside the sphere that light from infinity is aimed at.
+    scene.cameras.push(camera(Vec3::new(0.3, 0.3, 20.0), Vec3::new(0.3, 0.3, 0.0), 5.0));
     renders(&scene, is_lit);
 }
 

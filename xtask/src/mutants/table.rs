@@ -23,14 +23,16 @@ const FURNACES: &str = "a_white_furnace";
 const SMALL_POOL: &str = "a_pool_of_two_paths";
 const SHADING_NORMALS: &str = "integrators_agree_on_shading_normals";
 const MATERIALS: &str = "integrators_agree_on_every_material";
+const SKY: &str = "a_floor_under_an_image_of_a_sky";
+const POINT_LIGHT: &str = "a_floor_under_a_point_light";
 
 /// The mutants.
 pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "dropped-cosine",
-        file: "shade_camera.wgsl",
-        find: "let geometry = abs(dot(vertex.surface.ns, wi)) * abs(cos_light) / distance_squared;",
-        replace: "let geometry = abs(dot(vertex.surface.ns, wi)) / distance_squared;",
+        file: "bindings/light_join.wgsl",
+        find: "(abs(dot(vertex.surface.ns, light.wi)) / light.pdf * weight * estimator)",
+        replace: "(1.0 / light.pdf * weight * estimator)",
         caught_by: FACING_SQUARES,
     },
     Mutant {
@@ -42,9 +44,9 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "missing-light-pmf",
-        file: "generate_light.wgsl",
-        find: "light.pmf / light.area",
-        replace: "1.0 / light.area",
+        file: "bindings/lights.wgsl",
+        find: "light.pmf / light.measure",
+        replace: "1.0 / light.measure",
         caught_by: LIT_SPHERE,
     },
     Mutant {
@@ -114,15 +116,15 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "ending-chance-omitted",
         file: "bindings/join_choice.wgsl",
-        find: "1.0 / (y.ending * vertex.ending)",
+        find: "1.0 / (y_ending * vertex.ending)",
         replace: "1.0",
         caught_by: LIT_SPHERE,
     },
     Mutant {
         name: "nee-counted-twice",
-        file: "shade_camera.wgsl",
-        find: "let weight = mis_weight_emitter(",
-        replace: "let weight = 2.0 * mis_weight_emitter(",
+        file: "bindings/light_join.wgsl",
+        find: "return mis_weight_emitter(",
+        replace: "return 2.0 * mis_weight_emitter(",
         caught_by: FACING_SQUARES,
     },
     Mutant {
@@ -166,6 +168,34 @@ pub const MUTANTS: &[Mutant] = &[
         find: "MisState(0.0, mis_power(config, cos_out) * state.dvc, ending)",
         replace: "MisState(state.dvcm, mis_power(config, cos_out) * state.dvc, ending)",
         caught_by: FURNACES,
+    },
+    Mutant {
+        name: "infinite-light-with-inverse-square",
+        file: "bindings/vertex.wgsl",
+        find: "select(hit.t * hit.t, 1.0, path.from_infinity)",
+        replace: "hit.t * hit.t",
+        caught_by: SKY,
+    },
+    Mutant {
+        name: "environment-hit-without-its-rivals",
+        file: "shade_camera.wgsl",
+        find: "weight = mis_weight_hit(config, path.mis, factor, pdf_direct, pdf_emission);",
+        replace: "weight = mis_weight_hit(config, path.mis, factor, 0.0, pdf_emission);",
+        caught_by: SKY,
+    },
+    Mutant {
+        name: "environment-density-per-image-area",
+        file: "lib/environment.wgsl",
+        find: "return middle * sin_quarter(half_step) / (half_step * length(direction.xz));",
+        replace: "return 1.0;",
+        caught_by: SKY,
+    },
+    Mutant {
+        name: "point-light-that-can-be-hit",
+        file: "bindings/lights.wgsl",
+        find: "1.0 / light.measure, 0.0);",
+        replace: "1.0 / light.measure, 1.0);",
+        caught_by: POINT_LIGHT,
     },
 ];
 

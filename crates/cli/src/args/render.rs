@@ -5,8 +5,8 @@ use std::{path::PathBuf, time::Duration};
 use clap::Args;
 
 use super::values::{
-    CropArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg, ToneMapArg,
-    Vec3Arg, duration, positive_f32, stops,
+    ColorArg, CropArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
+    ToneMapArg, Vec3Arg, duration, finite_f32, positive_f32, stops,
 };
 
 /// `midway render`.
@@ -80,6 +80,20 @@ pub struct RenderArgs {
     /// Vertical field of view, in degrees [default: the camera's, or 40]
     #[arg(long, value_name = "DEGREES", value_parser = positive_f32, help_heading = "Camera")]
     pub fov: Option<f32>,
+
+    /// Light from all around by an image of latitude and longitude (.hdr, .exr), in place of the
+    /// scene's own.
+    #[arg(long, value_name = "FILE", help_heading = "Lights")]
+    pub env: Option<PathBuf>,
+    /// Turn it about the vertical, counter-clockwise seen from above.
+    #[arg(
+        long, value_name = "DEGREES", value_parser = finite_f32, requires = "env",
+        allow_negative_numbers = true, help_heading = "Lights"
+    )]
+    pub env_rotation: Option<f32>,
+    /// The same radiance from all around, in place of the scene's own environment.
+    #[arg(long, value_name = "R,G,B", conflicts_with = "env", help_heading = "Lights")]
+    pub background: Option<ColorArg>,
 
     /// How light is transported.
     #[arg(short, long, value_enum, value_name = "NAME", default_value_t, help_heading = "Integrator")]

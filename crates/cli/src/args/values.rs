@@ -165,6 +165,29 @@ impl FromStr for Vec3Arg {
     }
 }
 
+/// A radiance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColorArg(
+    /// Linear R, G, B; finite and not negative.
+    pub [f32; 3],
+);
+
+impl FromStr for ColorArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        list::<f32, 3>(text)
+            .filter(|values| values.iter().all(|value| value.is_finite() && *value >= 0.0))
+            .map(Self)
+            .ok_or_else(|| "use R,G,B, each 0 or more".to_owned())
+    }
+}
+
+/// A number.
+pub fn finite_f32(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| format!("'{text}' is not a number"))
+}
+
 fn list<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
     let values: Result<Vec<T>, _> = text.split(',').map(|item| item.trim().parse()).collect();
     values.ok()?.try_into().ok()

@@ -13,6 +13,15 @@ pub fn of_request(args: &RenderArgs, scene: &Scene, frame: &Frame, device: &Devi
     let name = args.scene.file_name().unwrap_or(args.scene.as_os_str());
     header.set("scene", name.to_string_lossy().as_ref());
     header.set("scene_hash", scene.hash());
+    if let Some(path) = &args.env {
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        header.set("environment", name.to_string_lossy().as_ref());
+        header.set("environment_rotation_degrees", f64::from(args.env_rotation.unwrap_or_default()));
+    }
+    if let Some(color) = args.background {
+        let [r, g, b] = color.0;
+        header.set("background", format!("{r},{g},{b}"));
+    }
     header.set("seed", args.seed);
     header.set("device", format!("{} ({})", device.name, device.backend));
     header.set("width", frame.width);

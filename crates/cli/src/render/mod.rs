@@ -1,5 +1,6 @@
 //! `midway render`: from flags to files.
 
+mod environment;
 mod flags;
 mod frame;
 mod header;
@@ -41,8 +42,10 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     args.errors.as_deref().map_or(Ok(()), check_writable)?;
     let interrupt = Interrupt::install()?;
     let reporter = Reporter::new(args.progress, args.quiet);
-    let LoadedScene { scene, warnings } = scene_file::load(&args.scene)?;
-    warnings.iter().for_each(|warning| reporter.warning(warning));
+    let mut loaded = scene_file::load(&args.scene)?;
+    environment::replace(args, &mut loaded)?;
+    loaded.warnings().iter().for_each(|warning| reporter.warning(warning));
+    let LoadedScene { scene, .. } = loaded;
     if args.verbose {
         info::to_lines(&scene).iter().for_each(|line| reporter.note(line));
     }

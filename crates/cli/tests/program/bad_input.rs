@@ -26,6 +26,10 @@ fn a_wrong_command_line_is_2() {
         &["--light-paths", "pool:0"],
         &["--rng", "table"],
         &["--clamp", "-1"],
+        &["--background", "1,2"],
+        &["--background", "1,-1,1"],
+        &["--env-rotation", "30"],
+        &["--env", "sky.hdr", "--background", "1,1,1"],
         &["--errors", "e.csv"],
         &["--quiet", "--verbose"],
         &["--unknown"],
@@ -67,6 +71,17 @@ fn a_missing_or_damaged_scene_is_3() {
             let run = sandbox.expect(3, &[command, scene]);
             assert!(run.error().contains(scene), "{}", run.stderr);
         }
+    }
+}
+
+#[test]
+fn a_missing_or_damaged_environment_is_3() {
+    let sandbox = Sandbox::new();
+    sandbox.write_scene();
+    sandbox.write("damaged.hdr", "#?RADIANCE\n\n-Y 2 +X");
+    for environment in ["none.hdr", "damaged.hdr"] {
+        let stderr = render(&sandbox, 3, &["--env", environment]);
+        assert!(stderr.contains(environment), "{stderr}");
     }
 }
 
@@ -130,6 +145,9 @@ fn help_and_version_are_0() {
         "target",
         "up",
         "fov",
+        "env",
+        "env-rotation",
+        "background",
         "integrator",
         "join",
         "k",

@@ -84,8 +84,12 @@ fn info_counts() {
     assert_eq!(object["cameras"].as_array().unwrap().len(), 1);
     assert_eq!(object["bounds"]["max"], serde_json::json!([1.0, 1.5, 0.5]));
     assert_eq!(object["hash"].as_str().unwrap().len(), 64);
+    // Two lamps of 2 by √½ that shine 4: π times that.
+    let power = object["lighting"]["emissive_triangles_power"][0].as_f64().unwrap();
+    assert!((power - 35.543).abs() <= 1e-3, "{power}");
+    assert!(object["lighting"]["environment"].is_null());
     let text = sandbox.expect(0, &["info", "scene.obj"]).stdout;
-    assert!(text.contains("triangles  6 (4 emit)"), "{text}");
+    assert!(text.contains("triangles  6 (4 emit)") && text.contains("emissive triangles: 35.543"), "{text}");
 }
 
 #[test]

@@ -53,6 +53,34 @@ fn both_files_are_written_and_the_header_tells_all() {
     assert_eq!(left.len(), 4, "{left:?}");
 }
 
+/// A wall that nothing lights, and the flags that do.
+#[test]
+fn flags_put_light_around_a_dark_scene() {
+    let sandbox = Sandbox::new();
+    sandbox.write("scene.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+    // One texel of radiance 2 in the upper half, 0 in the lower.
+    sandbox.write("sky.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 1\n\x80\x80\x80\x82\0\0\0\0");
+    let dark = "nothing emits light";
+    let run = render(&sandbox, &["--spp", "2", "-o", "dark.exr"]);
+    assert!(run.stderr.contains(dark), "{}", run.stderr);
+    assert!(read(&sandbox, "dark.exr").image().unwrap().is_black());
+    let run = render(&sandbox, &["--spp", "2", "-o", "black.exr", "--background", "0,0,0"]);
+    assert!(run.stderr.contains(dark), "{}", run.stderr);
+    for (name, flags) in [
+        ("white.exr", &["--background", "1,1,1"][..]),
+        ("sky.exr", &["--env", "sky.hdr", "--env-rotation", "-30"]),
+    ] {
+        let run = render(&sandbox, &[&["--spp", "64", "-o", name], flags].concat());
+        assert!(!run.stderr.contains(dark), "{}", run.stderr);
+        let file = read(&sandbox, name);
+        let mean = file.image().unwrap().mean()[0];
+        // Of the wall 0.8 times as much as of what is behind it.
+        assert!((0.75..=1.02).contains(&mean), "{name}: {mean}");
+        let said = if flags[0] == "--env" { "environment" } else { "background" };
+        assert!(file.metadata.text(said).is_some());
+    }
+}
+
 #[test]
 fn the_same_seed_gives_the_same_bits() {
     let sandbox = scene();

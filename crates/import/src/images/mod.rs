@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::{
     ImportError, Place,
-    files::SceneFolder,
+    files::{self, SceneFolder},
     warning::{WarningKind, Warnings},
 };
 use decode::{Decoded, Problem};
@@ -205,6 +205,32 @@ pub(crate) fn read_now(
         |problem: Problem| ImportError::Malformed { place: place.clone(), problem: problem.to_string() };
     let file = Path::new(name).file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok(source.decode().map_err(malformed)?.image(file, encoding))
+}
+
+/// An image file that is named beside the scene, at once; what was repaired in it.
+///
+/// # Errors
+///
+/// [`ImportError`] where it is not there, is no image, or claims more texels than a file of its
+/// size holds.
+pub(crate) fn read_file(
+    path: &Path,
+    encoding: Encoding,
+) -> Result<(Image, Option<&'static str>), ImportError> {
+    let bytes = files::read_scene(path, false)?;
+    let malformed = |problem: Problem| ImportError::Malformed {
+        place: Place::new(path, ""),
+        problem: problem.to_string(),
+    };
+    let extension = extension(path);
+    let [width, height] = decode::size(&bytes, extension.as_deref()).map_err(malformed)?;
+    let limit = (bytes.len() as u64).saturating_mul(TEXELS_PER_BYTE).saturating_add(FREE_TEXELS);
+    if u64::from(width) * u64::from(height) > limit {
+        return Err(malformed(Problem::BeyondFiles { width, height }));
+    }
+    let decoded = decode::decode(&bytes, extension.as_deref()).map_err(malformed)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok((decoded.image(name, encoding), decoded.note))
 }
 
 impl Source {

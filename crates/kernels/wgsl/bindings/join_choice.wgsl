@@ -17,7 +17,7 @@ struct Join {
     wi: vec3<f32>,
 }
 
-/// The contribution of joining a camera vertex to a light vertex, and its MIS weight.
+/// The contribution of joining a camera vertex to a light vertex with s >= 2, and its MIS weight.
 fn evaluate_join(path: Path, vertex: Vertex, stored: LightVertex, y: JoinVertex) -> Join {
     let between = stored.position - vertex.surface.position;
     let distance_squared = dot(between, between);
@@ -47,13 +47,6 @@ fn join_mis_weight(path: Path, vertex: Vertex, stored: LightVertex, y: JoinVerte
     let pdf_y = scatter_pdf(vertex, vertex.wo, wi) * cos_y / distance_squared;
     let camera_earlier = mis_earlier(config, vertex.mis, camera_previous_factor(config, t, vertex.mis, vertex.ending),
         scatter_pdf(vertex, wi, vertex.wo));
-    if (stored.s == 1u) {
-        let light = load_light(y.surface.light);
-        let pdf_position = light.pmf / light.area; // area > 0
-        let pdf_z = emission_pdf_towards(y, -wi) * cos_z / distance_squared;
-        return mis_weight_emitter(config, emitter_factor(config, y.ending, vertex.ending), pdf_y, pdf_position, pdf_position,
-            pdf_z, camera_earlier);
-    }
     let pdf_z = light_end_pdf(stored, y, stored.wo, -wi) * cos_z / distance_squared;
     return mis_weight_join(config, join_factor(config, y.ending, vertex.ending), pdf_y, light_earlier(stored, y, -wi),
         pdf_z, camera_earlier);
@@ -105,8 +98,8 @@ fn nth_from_end(light_path: u32, j: u32) -> u32 {
 
 /// Single-step: divided by the chance that both paths ended here.
 fn choose_end(vertex: Vertex, light_path: u32) -> Choice {
-    let y = load_join_vertex(load_light_vertex(light_path));
-    return Choice(light_path, 1.0 / (y.ending * vertex.ending)); // > 0: both did end
+    let y_ending = light_ending(load_light_vertex(light_path));
+    return Choice(light_path, 1.0 / (y_ending * vertex.ending)); // > 0: both did end
 }
 
 /// K-step: min(K, n) of the path's n vertices, or K drawn by importance with replacement.

@@ -11,18 +11,19 @@ const VERTEX_STRIDE: u32 = 4u;
 
 struct LightVertex {
     position: vec3<f32>,
+    /// At y_0 of a light that is no triangle NONE.
     triangle: u32,
     /// Of the subpath up to and including arrival here; at y_0 the radiance over the position's
     /// density, its direction not chosen.
     throughput: vec3<f32>,
     dvcm: f32,
-    /// Towards the vertex before.
+    /// Towards the vertex before; at y_0 LightPoint.normal.
     wo: vec3<f32>,
     dvc: f32,
     u: f32,
     v: f32,
     /// The slot of the vertex before (full, pool), or the chance of having ended there as bits
-    /// (single-step).
+    /// (single-step); at y_0 the light's index.
     link: u32,
     /// Its number s: 1 on the light.
     s: u32,

@@ -25,6 +25,9 @@ const FLAG_RAW: u32 = 256u;
 
 struct Params {
     camera: Camera,
+    /// A sphere around all triangles.
+    scene_centre: vec3<f32>,
+    scene_radius: f32,
     /// The rendered window, in pixels of the full film.
     crop_x: u32,
     crop_y: u32,
@@ -67,6 +70,8 @@ struct Params {
     /// Triangles stored as they are in the world: ids below it. NONE where all are.
     n_baked: u32,
     n_instances: u32,
+    /// NONE where there is no environment.
+    environment_at: u32,
     /// Entries of the table of pre-generated numbers, 0 for none.
     n_random: u32,
     /// Slots of light_vertices before those that are appended to, and how many may be appended.

@@ -1,4 +1,5 @@
-// A stored light vertex with its surface: what a join needs of it.
+// A stored light vertex with its surface: what a join needs of it. y_0 is here only where it is on
+// a triangle, to be projected onto the film; it is joined by bindings/light_join.wgsl.
 
 struct JoinVertex {
     surface: Surface,
@@ -11,7 +12,7 @@ fn load_join_vertex(stored: LightVertex) -> JoinVertex {
     let shaded = load_shaded(stored.triangle, stored.u, stored.v);
     let surface = shaded.surface;
     let material = shaded.material;
-    let q = select(survival(material), params.emitter_survival, stored.s == 1u);
+    let q = survival(material);
     return JoinVertex(surface, material, q, ending_chance(mis_config(), q));
 }
 
@@ -36,9 +37,12 @@ fn light_end_pdf(stored: LightVertex, vertex: JoinVertex, from_direction: vec3<f
     return vertex.survival * bsdf_pdf(vertex.material, frame_of(vertex.surface), from_direction, to_direction);
 }
 
-fn emission_pdf_towards(vertex: JoinVertex, wi: vec3<f32>) -> f32 {
-    let emits_back = (vertex.material.flags & MATERIAL_EMITS_BACK) != 0u;
-    return vertex.survival * emission_pdf_sa(dot(vertex.surface.ng, wi), emits_back);
+/// The chance of a light subpath's having ended at its end.
+fn light_ending(stored: LightVertex) -> f32 {
+    if (stored.s == 1u) {
+        return ending_chance(mis_config(), params.emitter_survival);
+    }
+    return load_join_vertex(stored).ending;
 }
 
 /// What the strategies with fewer light vertices weigh at a stored vertex with s >= 2.

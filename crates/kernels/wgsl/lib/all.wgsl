@@ -17,6 +17,7 @@
 #include "lib/bsdf.wgsl"
 #include "lib/light.wgsl"
 #include "lib/texture.wgsl"
+#include "lib/environment.wgsl"
 #include "lib/mis.wgsl"
 #include "lib/fixed_point.wgsl"
 #include "lib/intersect.wgsl"

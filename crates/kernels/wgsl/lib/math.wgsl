@@ -4,6 +4,7 @@
 const PI: f32 = 3.14159265358979;
 const INV_PI: f32 = 0.318309886183791;
 const PI_OVER_4: f32 = 0.785398163397448;
+const PI_OVER_2: f32 = 1.57079632679490;
 const LOG2_E: f32 = 1.44269504088896;
 /// The largest finite f32.
 const F32_MAX: f32 = 3.40282346638529e38;
@@ -34,6 +35,38 @@ fn sin_quarter(x: f32) -> f32 {
 fn cos_quarter(x: f32) -> f32 {
     let s = x * x;
     return 1.0 + s * (-0.5 + s * (0.0416666667 + s * (-0.00138888889 + s * 2.48015873e-5)));
+}
+
+/// Cosine and sine of any number of turns, error below 3e-7 within one turn of 0.
+fn unit_circle(turns: f32) -> vec2<f32> {
+    let quarter = floor(4.0 * turns + 0.5);
+    let rest = (4.0 * turns - quarter) * PI_OVER_2; // within π/4
+    let c = cos_quarter(rest);
+    let s = sin_quarter(rest);
+    switch u32(i32(quarter)) & 3u {
+        case 0u: { return vec2<f32>(c, s); }
+        case 1u: { return vec2<f32>(-s, c); }
+        case 2u: { return vec2<f32>(-c, -s); }
+        default: { return vec2<f32>(s, -c); }
+    }
+}
+
+/// The angle of the point (x, y) in [-π, π], 0 at the origin; error below 5e-7 (polynomial of
+/// atanf: Moshier, Cephes).
+fn angle_of(y: f32, x: f32) -> f32 {
+    let larger = max(abs(x), abs(y));
+    if (larger == 0.0) {
+        return 0.0;
+    }
+    let slope = min(abs(x), abs(y)) / larger;
+    let reduce = slope > 0.414213562; // tan(π/8)
+    let t = select(slope, (slope - 1.0) / (slope + 1.0), reduce);
+    let z = t * t;
+    let p = t + t * z * (-0.333329491539 + z * (0.199777106478 + z * (-0.138776856032 + z * 0.0805374449538)));
+    let octant = select(p, p + PI_OVER_4, reduce);
+    let quadrant = select(octant, PI_OVER_2 - octant, abs(y) > abs(x));
+    let half = select(quadrant, PI - quadrant, x < 0.0);
+    return select(half, -half, y < 0.0);
 }
 
 /// exp(x) for x <= 0, relative error below 3e-7 to x = -1, and 4e-6 to x = -87; below about -88

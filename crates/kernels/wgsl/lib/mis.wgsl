@@ -85,6 +85,10 @@ fn mis_begin_camera(config: MisConfig, pdf_sa: f32) -> MisState {
 
 /// A light subpath that leaves y_0: the density of choosing y_0 for next-event estimation and for
 /// emission (per area), and of the emitted direction (per solid angle, with survival at y_0).
+/// For a point light the first is a chance; cos_light is 0 where no camera subpath can hit the light.
+/// At infinity y_0 is a direction (its density per solid angle, or a chance) and the second density
+/// is that of a point on a disk that covers the scene; cos_light is 1, and on arrival the distance
+/// counts as 1 (Georgiev 2012, section 5.1).
 fn mis_begin_light(config: MisConfig, pdf_direct_area: f32, pdf_position_area: f32, pdf_direction_sa: f32, cos_light: f32, ending: f32) -> MisState {
     let pdf_emission = pdf_position_area * pdf_direction_sa;
     return MisState(mis_power(config, pdf_direct_area / pdf_emission), mis_power(config, cos_light / pdf_emission), ending);

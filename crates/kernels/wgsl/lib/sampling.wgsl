@@ -27,3 +27,24 @@ fn sample_triangle(u: vec2<f32>) -> vec2<f32> {
     let r = sqrt(u.x);
     return vec2<f32>(r * (1.0 - u.y), r * u.y);
 }
+
+/// A place in [0, 1) with a density linear from a to b, which are not negative; uniform where both
+/// are 0 (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section A.4.1).
+fn sample_linear(u: f32, a: f32, b: f32) -> f32 {
+    let larger = max(a, b);
+    if (larger <= 0.0) {
+        return u;
+    }
+    let p = a / larger;
+    let q = b / larger;
+    let denominator = p + sqrt(mix(p * p, q * q, u));
+    return min(u * (p + q) / max(denominator, 1e-30), 0.99999994);
+}
+
+/// A direction uniform in the cone about an axis whose cap is `height` = 1 - cos high.
+fn sample_cone(axis: vec3<f32>, height: f32, u: vec2<f32>) -> vec3<f32> {
+    let drop = u.x * height;
+    let radius = sqrt(max(0.0, drop * (2.0 - drop)));
+    let azimuth = unit_circle(u.y);
+    return frame_from_normal(axis) * vec3<f32>(radius * azimuth.x, radius * azimuth.y, 1.0 - drop);
+}

@@ -8,7 +8,10 @@ use midway_kernels::constants as k;
 use midway_scene::{Mesh, Opacity, PlacedMesh, WorldTriangle};
 
 use super::{Word4, normals::oct_encode, slots::is_absent, word4};
-use crate::{lights::Lights, world::World};
+use crate::{
+    lights::{LightSource, Lights},
+    world::World,
+};
 
 /// A corner of a triangle may differ from its geometric normal by this much, squared, and the
 /// triangle still be stored as flat: half of what packing a normal may change.
@@ -57,7 +60,9 @@ pub(super) fn pack_surfaces(world: &World<'_>, lights: &Lights, words: &mut Vec<
         Packer { attributes_at: surfaces + n_surfaces * k::SURFACE_STRIDE as usize, attributes: Vec::new() };
     world.baked().chain(meshes(world)).for_each(|mesh| packer.mesh(&mesh, words));
     for (index, light) in (0u32..).zip(&lights.lights) {
-        words[surfaces + light.triangle as usize * k::SURFACE_STRIDE as usize + 1][3] = index;
+        if let LightSource::Triangle(triangle) = light.source {
+            words[surfaces + triangle as usize * k::SURFACE_STRIDE as usize + 1][3] = index;
+        }
     }
     words.append(&mut packer.attributes);
     let instances = words.len();

@@ -1,5 +1,6 @@
 //! The scene in the kernels' layouts.
 
+mod environment;
 mod geometry;
 mod lights;
 mod materials;
@@ -9,16 +10,19 @@ mod textures;
 
 use glam::Vec3;
 use midway_kernels::constants as k;
-use midway_scene::{Camera, Scene};
+use midway_scene::{Camera, Scene, Sphere};
 
 use self::{
+    environment::pack_environment,
     geometry::{pack_surfaces, pack_triangles},
     lights::pack_lights,
     materials::{albedo_tables, pack_material},
     slots::pack_slots,
     textures::{PackedImages, TextureTable, srgb_table},
 };
-use crate::{RenderError, lights::Lights, medium::MediumFinder, world::World};
+use crate::{
+    RenderError, environment::EnvironmentMap, lights::Lights, medium::MediumFinder, world::World,
+};
 
 /// A vec4 as bits, so that no float move touches an integer.
 type Word4 = [u32; 4];
@@ -30,10 +34,15 @@ pub struct PackedScene {
     pub nodes: Vec<Word4>,
     /// Leaf slots (`triangles` in WGSL).
     pub triangles: Vec<Word4>,
-    /// Tables of albedos, materials, lights, surfaces, instances, random numbers (`scene` in WGSL).
+    /// Tables of albedos, materials, lights, the environment, surfaces, instances, random numbers
+    /// (`scene` in WGSL).
     pub scene: Vec<Word4>,
     /// Where lights start in `scene`, in vec4.
     pub lights_at: u32,
+    /// Where the environment starts, or the kernels' NONE.
+    pub environment_at: u32,
+    /// Around all triangles.
+    pub sphere: Sphere,
     /// Where surfaces start.
     pub surfaces_at: u32,
     /// Where instances start.
@@ -70,7 +79,11 @@ impl PackedScene {
         let world = World::new(scene)?;
         let positions = world.baked_positions();
         let two_level = world.build(&positions)?;
-        let lights = Lights::collect(world.emissive(), &scene.materials);
+        let sphere = scene.bounds().sphere();
+        let environment = EnvironmentMap::of(scene)?;
+        let lights = Lights::collect(scene, world.emissive(), sphere, environment.as_ref(), |triangle| {
+            scene.materials[triangle.material as usize].emission.value
+        });
         let media = MediumFinder { two_level: &two_level, positions: &positions, world: &world };
         let images = PackedImages::new(&scene.images)?;
         let mut textures = TextureTable::default();
@@ -83,6 +96,10 @@ impl PackedScene {
         }
         let lights_at = words.len() as u32;
         pack_lights(&lights, &world, &media, &mut words);
+        let environment_at = environment.as_ref().map_or(k::NONE, |_| words.len() as u32);
+        if let Some(environment) = &environment {
+            pack_environment(environment, lights.environment(), &mut words);
+        }
         let at = pack_surfaces(&world, &lights, &mut words);
         let random_at = words.len() as u32;
         words.extend((0..rng_table.unwrap_or(0)).map(pregenerated_numbers));
@@ -103,6 +120,8 @@ impl PackedScene {
             nodes: two_level.nodes(&first_ids),
             scene: words,
             lights_at,
+            environment_at,
+            sphere,
             surfaces_at: at.surfaces,
             instances_at: at.instances,
             random_at,

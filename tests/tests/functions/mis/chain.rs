@@ -6,10 +6,37 @@ use midway_kernels::native::lib::{self, MisConfig, MisState};
 
 use crate::support::Random;
 
+/// What x_0 lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// An emissive surface.
+    Area,
+    /// A light without extent: its position has a chance, and no camera path hits it.
+    Point,
+    /// A direction at infinity, with a chance: no camera path hits it.
+    Directional,
+    /// A direction at infinity out of many, with a density per solid angle.
+    Environment,
+}
+
+impl Origin {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Area, Self::Point, Self::Directional, Self::Environment];
+
+    fn is_infinite(self) -> bool {
+        matches!(self, Self::Directional | Self::Environment)
+    }
+
+    fn is_hit(self) -> bool {
+        matches!(self, Self::Area | Self::Environment)
+    }
+}
+
 /// x_0 on a light, x_1 …, x_k on the lens. Densities are values at random: the recursion may assume
 /// nothing about them.
 #[derive(Clone, Debug)]
 pub struct Chain {
+    origin: Origin,
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
     pub is_delta: Vec<bool>,
@@ -19,7 +46,8 @@ pub struct Chain {
     pub forward: Vec<f64>,
     /// At x_i towards x_{i-1}, per solid angle, with survival; at x_k the camera's.
     pub reverse: Vec<f64>,
-    /// Densities per area of x_0: as a light subpath's first vertex, and drawn for s = 1.
+    /// Densities of x_0, per area or as its origin has it: as a light subpath's first vertex, and
+    /// drawn for s = 1.
     position_area: f64,
     direct_area: f64,
 }
@@ -27,7 +55,7 @@ pub struct Chain {
 impl Chain {
     /// A chain of `edges` >= 2. `config`: without next-event estimation s = 1 has no density of its
     /// own.
-    pub fn new(edges: usize, config: MisConfig, random: &mut Random) -> Self {
+    pub fn new(edges: usize, origin: Origin, config: MisConfig, random: &mut Random) -> Self {
         let vertices = edges + 1;
         let is_delta: Vec<bool> = (0..vertices).map(|i| i != 0 && i != edges && random.chance(0.3)).collect();
         let survival: Vec<f64> = (0..vertices).map(|_| random.between(0.2, 0.95)).collect();
@@ -36,6 +64,7 @@ impl Chain {
         let reverse: Vec<f64> = (0..vertices).map(&mut density).collect();
         let position_area = random.between(0.1, 3.0);
         Self {
+            origin,
             positions: (0..vertices).map(|_| random.direction() * random.between(0.5, 2.0)).collect(),
             normals: (0..vertices).map(|_| random.direction()).collect(),
             is_delta,
@@ -67,9 +96,14 @@ impl Chain {
         self.normals[i].dot((self.positions[j] - self.positions[i]).normalize()).abs()
     }
 
-    /// From a density at x_i per solid angle to one at x_j per area.
+    /// From a density at x_i per solid angle to one at x_j per area. At infinity directions stay per
+    /// solid angle, and light starts per area at a right angle to them.
     fn to_area(&self, i: usize, j: usize) -> f64 {
-        self.cosine(j, i) / self.distance2(i, j)
+        match (self.origin.is_infinite(), i, j) {
+            (true, _, 0) => 1.0,
+            (true, 0, _) => self.cosine(j, i),
+            _ => self.cosine(j, i) / self.distance2(i, j),
+        }
     }
 
     /// c of strategy (s, t) by design.md section 4; 0 where it is not in use, or can have made this
@@ -77,7 +111,7 @@ impl Chain {
     fn factor(&self, config: MisConfig, s: usize) -> f64 {
         let t = self.edges() + 1 - s;
         if s == 0 {
-            return 1.0;
+            return if self.origin.is_hit() { 1.0 } else { 0.0 };
         }
         if self.is_delta[s - 1] || self.is_delta[s] {
             return 0.0;
@@ -116,12 +150,30 @@ impl Chain {
         terms.iter().map(|term| term / total).collect()
     }
 
+    /// Whether any strategy in use can make it: one to a light that cannot be hit, past mirrors, may
+    /// have none.
+    pub fn is_possible(&self, config: MisConfig) -> bool {
+        (0..=self.edges()).any(|s| self.factor(config, s) > 0.0)
+    }
+
     fn ending(&self, config: MisConfig, i: usize) -> f32 {
         lib::ending_chance(config, self.survival[i] as f32)
     }
 
+    /// As `arrive` in bindings/vertex.wgsl.
     fn arrive(&self, config: MisConfig, state: MisState, from: usize, at: usize) -> MisState {
-        lib::mis_arrive(config, state, self.distance2(from, at) as f32, self.cosine(at, from) as f32)
+        let from_infinity = from == 0 && self.origin.is_infinite();
+        let distance2 = if from_infinity { 1.0 } else { self.distance2(from, at) };
+        lib::mis_arrive(config, state, distance2 as f32, self.cosine(at, from) as f32)
+    }
+
+    /// As `emit` in bindings/lights.wgsl.
+    fn cos_light(&self) -> f64 {
+        match self.origin {
+            Origin::Area => self.cosine(0, 1),
+            Origin::Point | Origin::Directional => 0.0,
+            Origin::Environment => 1.0,
+        }
     }
 
     /// The light subpath's states on arrival at x_1 … x_{k-1} (`shade_light`); x_0 has none.
@@ -133,7 +185,7 @@ impl Chain {
             self.direct_area as f32,
             self.position_area as f32,
             self.forward[0] as f32,
-            self.cosine(0, 1) as f32,
+            self.cos_light() as f32,
             ending(0),
         );
         for i in 1..self.edges() {
@@ -151,7 +203,10 @@ impl Chain {
         let mut states = Vec::new();
         let mut state = lib::mis_begin_camera(config, self.reverse[k] as f32);
         for i in (0..k).rev() {
-            state = self.arrive(config, state, i + 1, i);
+            // A ray that escapes arrives nowhere.
+            if i > 0 || !self.origin.is_infinite() {
+                state = self.arrive(config, state, i + 1, i);
+            }
             states.push(state);
             if i > 0 {
                 let t = (k + 1 - i) as u32;
@@ -201,16 +256,17 @@ impl Chain {
         (0..=self.edges()).map(weight).collect()
     }
 
-    /// As `add_emission` in shade_camera.wgsl.
+    /// As `add_emission` and `add_environment` in shade_camera.wgsl.
     fn weigh_hit(&self, config: MisConfig, state: MisState) -> f32 {
         let factor = lib::emitter_factor(config, self.ending(config, 0), state.ending);
         let emission = self.position_area * self.forward[0];
         lib::mis_weight_hit(config, state, factor, self.direct_area as f32, emission as f32)
     }
 
-    /// As `sample_light` in shade_camera.wgsl and `join_mis_weight` in bindings/join_choice.wgsl.
+    /// As `light_join_weight` in bindings/light_join.wgsl, with `see_light` of bindings/lights.wgsl.
     fn weigh_emitter(&self, config: MisConfig, state: MisState) -> f32 {
-        let pdf_hit = (self.reverse[1] * self.to_area(1, 0)) as f32;
+        let to_measure = if self.origin.is_hit() { self.to_area(1, 0) } else { 0.0 };
+        let pdf_hit = (self.reverse[1] * to_measure) as f32;
         let pdf_emit = (self.forward[0] * self.to_area(0, 1)) as f32;
         let factor = lib::emitter_factor(config, self.ending(config, 0), self.ending(config, 1));
         let (direct, position) = (self.direct_area as f32, self.position_area as f32);

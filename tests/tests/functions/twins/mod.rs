@@ -1,6 +1,6 @@
 //! Every kernel function on a GPU against the same function on the CPU device, by probes.
 
-mod compare;
+pub mod compare;
 pub mod device;
 mod instances;
 mod surfaces;
@@ -33,7 +33,11 @@ const BRANCHES: Tolerance = Tolerance::Float { relative: 1e-5, absolute: 5e-6, o
 /// lobe of roughness 0.05 the rounding of its facet's normal.
 const LOBES: Tolerance = Tolerance::Float { relative: 3e-4, absolute: 5e-6, outliers: 5e-3 };
 
-/// Each probe but those of traversal and surfaces, which have modules of their own.
+/// Directions between two cells of an environment's map, and at its poles, where the longitude is
+/// anything: about one in 10^4 is within rounding of either.
+const CELLS: Tolerance = Tolerance::Float { relative: 2e-5, absolute: 2e-5, outliers: 1e-3 };
+
+/// Each probe but those with modules of their own.
 const PROBES: &[(&str, Tolerance)] = &[
     ("probe_random", Tolerance::Exact),
     ("probe_math", ROUNDING),
@@ -41,6 +45,7 @@ const PROBES: &[(&str, Tolerance)] = &[
     ("probe_bsdf", LOBES),
     ("probe_mis", ROUNDING),
     ("probe_camera", CAMERA),
+    ("probe_light", CELLS),
 ];
 
 /// Film coordinates are to some hundreds of pixels, and their error is one of the whole film.
@@ -66,7 +71,9 @@ fn every_probe_is_run() {
         let listed = PROBES.iter().any(|(name, _)| *name == kernel.name);
         // Those have tests of their own.
         assert!(
-            listed || ["probe_traversal", "probe_surface", "probe_texture"].contains(&kernel.name),
+            listed
+                || ["probe_traversal", "probe_surface", "probe_texture", "probe_environment"]
+                    .contains(&kernel.name),
             "{} is run by no test",
             kernel.name
         );

@@ -1,0 +1,23 @@
+//! The environment as `bindings/environment.wgsl` reads it.
+
+use midway_kernels::constants as k;
+
+use super::{Word4, word4};
+use crate::environment::{EnvironmentMap, inverse_or_zero};
+
+/// Frame, texels, and the table of cells, two entries a word. `light`: its place among the lights.
+pub(super) fn pack_environment(map: &EnvironmentMap, light: Option<u32>, words: &mut Vec<Word4>) {
+    let frame = map.world_from_environment;
+    words.extend([
+        word4(frame.x_axis, map.width),
+        word4(frame.y_axis, map.height),
+        word4(frame.z_axis, light.unwrap_or(k::NONE)),
+        [inverse_or_zero(map.total).to_bits(), 0, 0, 0],
+    ]);
+    words.extend(map.texels.iter().map(|&texel| word4(texel, 0)));
+    words.extend(map.cells.chunks(2).map(|pair| {
+        let entry = |i: usize| pair.get(i).map_or([0; 2], |entry| [entry.threshold.to_bits(), entry.alias]);
+        let ([a, b], [c, d]) = (entry(0), entry(1));
+        [a, b, c, d]
+    }));
+}
