@@ -48,8 +48,8 @@ fn scene(shared: bool) -> Scene {
     scene
 }
 
-/// The same random numbers meet the same triangles: pixels differ by rounding alone, but for paths
-/// that rounding sends past an edge.
+/// The same random numbers meet the same triangles. Normals are packed in another frame, so that they
+/// differ by 1e-4: glass sends a few paths past an edge by that, and splats spread what they carry.
 #[test]
 fn instances_render_as_copies_do() {
     let _turn = in_turn();
@@ -73,7 +73,7 @@ fn instances_render_as_copies_do() {
             mean(a),
             mean(b)
         );
-        assert!(n_different <= a.len() / 50, "{n_different} of {} values differ", a.len());
+        assert!(n_different <= a.len() / 20, "{n_different} of {} values differ", a.len());
         assert!((mean(a) / mean(b) - 1.0).abs() <= 5e-3);
     }
 }
