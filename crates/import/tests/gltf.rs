@@ -116,13 +116,15 @@ fn emission_and_sides() {
 #[test]
 fn each_unused_thing_is_listed_once() {
     let mut document = triangle();
+    document["textures"] = json!([{}]);
+    document["skins"] = json!([{"joints": [0]}]);
     document["materials"][0]["occlusionTexture"] = json!({"index": 0});
     document["materials"][0]["extensions"]["KHR_materials_iridescence"] = json!({});
     let twin = document["materials"][0].clone();
     document["materials"].as_array_mut().unwrap().push(twin);
     document["extensionsUsed"] = json!(["KHR_materials_iridescence", "KHR_materials_specular", "EXT_other"]);
     document["nodes"][0]["skin"] = json!(0);
-    document["animations"] = json!([{}, {}]);
+    document["animations"] = json!([{"channels": [], "samplers": []}, {"channels": [], "samplers": []}]);
     document["meshes"][0]["primitives"][0]["attributes"]["COLOR_1"] = json!(0);
     document["meshes"][0]["primitives"][0]["targets"] = json!([{"TEXCOORD_0": 0}]);
     document["meshes"][0]["primitives"].as_array_mut().unwrap().push(json!({"attributes": {}, "mode": 0}));
