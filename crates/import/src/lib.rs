@@ -19,6 +19,7 @@ mod geometry;
 mod gltf;
 mod images;
 mod metals;
+mod mitsuba;
 mod obj;
 mod ply;
 mod spectrum;
@@ -35,7 +36,7 @@ pub use error::{ImportError, Place};
 pub use warning::{Warning, WarningKind};
 
 /// The formats read, for messages and help.
-pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
+pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj), PLY (.ply) and Mitsuba (.xml)";
 
 /// A scene as read, and what was left out of it.
 #[derive(Clone, Debug)]
@@ -73,6 +74,7 @@ fn read(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
         Some("gltf" | "glb") => gltf::load(path, warnings),
         Some("obj") => obj::load(path, warnings),
         Some("ply") => ply::load(path, warnings),
+        Some("xml") => mitsuba::load(path, warnings),
         _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, warnings),
         _ => Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
     }
