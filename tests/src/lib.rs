@@ -3,6 +3,7 @@
 pub mod albedo;
 pub mod estimate;
 pub mod integrators;
+pub mod mitsuba;
 pub mod own;
 pub mod reference;
 pub mod scenes;

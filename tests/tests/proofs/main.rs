@@ -7,6 +7,7 @@ mod closed_forms;
 mod degenerate;
 mod devices;
 mod instances;
+mod importers;
 mod joins;
 mod references;
 mod repeatability;

@@ -171,7 +171,7 @@ impl Reader<'_> {
         let malformed = |place, problem: String| ImportError::Malformed { place, problem };
         let text = String::from_utf8_lossy(bytes);
         let text = text.trim_start_matches('\u{feff}');
-        let options = ParsingOptions { nodes_limit: u32::MAX >> 6, ..ParsingOptions::default() };
+        let options = ParsingOptions { nodes_limit: 2 * MAX_ELEMENTS as u32, ..ParsingOptions::default() };
         let xml = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
             let place = Place::new(&place.file, error.pos().row.to_string());
             malformed(place, format!("it is not XML that is read ({error})"))

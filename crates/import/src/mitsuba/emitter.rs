@@ -3,7 +3,12 @@
 use glam::{Mat3, Mat4, Vec3};
 use midway_scene::{Environment, Light, LightKind, SpotFalloff};
 
-use super::{Loader, document::Class, node::Node, value::Quantity};
+use super::{
+    Loader,
+    document::Class,
+    node::Node,
+    value::{Quantity, Value},
+};
 use crate::{ImportError, images::Encoding, warning::WarningKind};
 
 type Result<T> = std::result::Result<T, ImportError>;
@@ -39,8 +44,17 @@ impl Loader<'_> {
             }
             return Ok(input.value);
         }
+        self.warn_of_constant(node, name);
         let scale = node.float_or("scale", 1.0)?.max(0.0);
         Ok(scale * node.color(name, Quantity::Unbounded)?.unwrap_or(Vec3::ONE))
+    }
+
+    /// `<spectrum value="1"/>` was white in Mitsuba's RGB mode for long.
+    pub(super) fn warn_of_constant(&mut self, node: Node, name: &str) {
+        if let Some(Value::Constant(_)) = node.value(name) {
+            let message = "constant spectra of lights are white (Mitsuba 3.9 has them at 1.205, 0.948, 0.909)";
+            self.warn(WarningKind::Approximation, node, message);
+        }
     }
 
     fn point(&mut self, node: Node) -> Result<()> {

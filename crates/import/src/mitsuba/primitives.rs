@@ -6,6 +6,8 @@ use std::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
 use midway_scene::Mesh;
 
+use crate::geometry::scaled_normal;
+
 /// Segments about an axis, and from pole to pole.
 const AROUND: u32 = 128;
 const ALONG: u32 = 64;
@@ -66,7 +68,7 @@ pub(super) fn cylinder() -> Mesh {
     mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     // Its area grows with the radius, and not with its square.
     let area = area(&mesh);
-    let by = TAU / area;
+    let by = (f64::from(TAU) / area) as f32;
     mesh.positions.iter_mut().for_each(|p| *p *= Vec3::new(by, by, 1.0));
     mesh
 }
@@ -113,18 +115,17 @@ fn has_area(mesh: &Mesh, triangle: [u32; 3]) -> bool {
     triangle_area(mesh, triangle) > 1e-9
 }
 
-fn triangle_area(mesh: &Mesh, [a, b, c]: [u32; 3]) -> f32 {
-    let [a, b, c] = [a, b, c].map(|i| mesh.positions[i as usize]);
-    0.5 * (b - a).cross(c - a).length()
+fn triangle_area(mesh: &Mesh, triangle: [u32; 3]) -> f64 {
+    0.5 * scaled_normal(&mesh.positions, triangle).length()
 }
 
-fn area(mesh: &Mesh) -> f32 {
+fn area(mesh: &Mesh) -> f64 {
     mesh.triangles.iter().map(|&t| triangle_area(mesh, t)).sum()
 }
 
 /// Scales along `axes` so that the area is as given.
 fn widen(mesh: &mut Mesh, to: f32, axes: Vec3) {
-    let by = (to / area(mesh)).sqrt();
+    let by = (f64::from(to) / area(mesh)).sqrt() as f32;
     let scale = axes * by + (Vec3::ONE - axes);
     mesh.positions.iter_mut().for_each(|p| *p *= scale);
 }
@@ -138,7 +139,7 @@ mod tests {
         let cases =
             [(sphere(), 4.0 * PI), (cylinder(), TAU), (disk(), PI), (cube(), 24.0), (rectangle(), 4.0)];
         for (mesh, expected) in cases {
-            assert!((area(&mesh) / expected - 1.0).abs() <= 1e-5, "{} is not {expected}", area(&mesh));
+            assert!((area(&mesh) / f64::from(expected) - 1.0).abs() <= 1e-5, "{} is not {expected}", area(&mesh));
         }
         let radii = sphere().positions.iter().map(|p| (p.length() - 1.0).abs()).fold(0.0, f32::max);
         assert!(radii <= 5e-4, "{radii}");

@@ -41,7 +41,6 @@ pub(super) struct MeshKey {
 impl Loader<'_> {
     /// Places a shape in the world, or in the group that is being read.
     pub(super) fn shape(&mut self, node: Node) -> Result<()> {
-        node.disregard(&["id"]);
         match node.plugin() {
             "shapegroup" => self.shape_group(node),
             "instance" => self.instance(node),
@@ -257,6 +256,7 @@ impl Loader<'_> {
         emitter.disregard(&["sampling_weight"]);
         // Release 0.2 says intensity.
         let name = if emitter.has("intensity") { "intensity" } else { "radiance" };
+        self.warn_of_constant(emitter, name);
         self.color(emitter, name, Quantity::Unbounded, 1.0)
     }
 

@@ -52,8 +52,10 @@ impl Loader<'_> {
             }
             _ => {
                 let color = node.color(name, Quantity::Share)?.unwrap_or(Vec3::splat(default));
-                // The luminance, as Mitsuba takes it.
-                color.dot(Vec3::new(0.212_671, 0.715_16, 0.072_169)).min(color.max_element()).into()
+                // Of a colour the luminance, as Mitsuba takes it.
+                let luminance = color.dot(Vec3::new(0.212_671, 0.715_16, 0.072_169));
+                let value = if color == Vec3::splat(color.x) { color.x } else { luminance };
+                value.into()
             }
         };
         if input.value > 1.0 {
