@@ -534,7 +534,7 @@ fn includes_end() {
 #[test]
 fn damage_anywhere_is_survived() {
     let text = format!(
-        "<scene version='3.0.0'>{LAMP}<shape type='sphere'><bsdf type='roughconductor'><float name='alpha' value='0.1'/>\
+        "<scene version='3.0.0'>{LAMP}<shape type='cube'><bsdf type='roughconductor'><float name='alpha' value='0.1'/>\
         <spectrum name='eta' value='400:1,700:2'/></bsdf><transform name='to_world'><rotate x='1' angle='3'/></transform>\
         </shape><sensor type='thinlens'><float name='aperture_radius' value='1'/></sensor></scene>"
     );

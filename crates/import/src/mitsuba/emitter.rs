@@ -52,7 +52,8 @@ impl Loader<'_> {
     /// `<spectrum value="1"/>` was white in Mitsuba's RGB mode for long.
     pub(super) fn warn_of_constant(&mut self, node: Node, name: &str) {
         if let Some(Value::Constant(_)) = node.value(name) {
-            let message = "constant spectra of lights are white (Mitsuba 3.9 has them at 1.205, 0.948, 0.909)";
+            let message =
+                "constant spectra of lights are white (Mitsuba 3.9 has them at 1.205, 0.948, 0.909)";
             self.warn(WarningKind::Approximation, node, message);
         }
     }

@@ -139,7 +139,11 @@ mod tests {
         let cases =
             [(sphere(), 4.0 * PI), (cylinder(), TAU), (disk(), PI), (cube(), 24.0), (rectangle(), 4.0)];
         for (mesh, expected) in cases {
-            assert!((area(&mesh) / f64::from(expected) - 1.0).abs() <= 1e-5, "{} is not {expected}", area(&mesh));
+            assert!(
+                (area(&mesh) / f64::from(expected) - 1.0).abs() <= 1e-5,
+                "{} is not {expected}",
+                area(&mesh)
+            );
         }
         let radii = sphere().positions.iter().map(|p| (p.length() - 1.0).abs()).fold(0.0, f32::max);
         assert!(radii <= 5e-4, "{radii}");
