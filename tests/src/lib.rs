@@ -4,6 +4,7 @@ pub mod albedo;
 pub mod estimate;
 pub mod integrators;
 pub mod lit;
+pub mod mitsuba;
 pub mod own;
 pub mod reference;
 pub mod scenes;

@@ -211,7 +211,7 @@ fn refuse_scheme(uri: &str, place: &Place) -> Result<(), ImportError> {
 }
 
 /// Enough of a URI to recognise it, and without control characters, for messages of one line.
-fn shortened(uri: &str) -> String {
+pub(crate) fn shortened(uri: &str) -> String {
     const LONGEST: usize = 100;
     let mut short: String = uri.chars().take(LONGEST).map(|c| if c.is_control() { '?' } else { c }).collect();
     if uri.chars().nth(LONGEST).is_some() {

@@ -19,8 +19,11 @@ mod files;
 mod geometry;
 mod gltf;
 mod images;
+mod metals;
+mod mitsuba;
 mod obj;
 mod ply;
+mod spectrum;
 mod warning;
 
 use std::path::Path;
@@ -35,7 +38,7 @@ pub use error::{ImportError, Place};
 pub use warning::{Warning, WarningKind};
 
 /// The formats read, for messages and help.
-pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
+pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj), PLY (.ply) and Mitsuba (.xml)";
 
 /// What is said of a scene without lights.
 pub const NO_LIGHT: &str = "nothing emits light: the image will be black";
@@ -76,6 +79,7 @@ fn read(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
         Some("gltf" | "glb") => gltf::load(path, warnings),
         Some("obj") => obj::load(path, warnings),
         Some("ply") => ply::load(path, warnings),
+        Some("xml") => mitsuba::load(path, warnings),
         _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, warnings),
         _ => Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
     }

@@ -67,6 +67,10 @@ fn measured<T>(call: impl FnOnce() -> T) -> (T, usize, Duration) {
 }
 
 fn collection(folder: &str) -> Vec<PathBuf> {
+    collection_of(folder, &["gltf", "glb", "obj", "ply"])
+}
+
+fn collection_of(folder: &str, extensions: &[&str]) -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes").join(folder);
     let mut found = Vec::new();
     let mut folders = vec![root];
@@ -75,8 +79,7 @@ fn collection(folder: &str) -> Vec<PathBuf> {
             let path = entry.path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|e| ["gltf", "glb", "obj", "ply"].iter().any(|x| e == *x))
-            {
+            } else if path.extension().is_some_and(|e| extensions.iter().any(|x| e == *x)) {
                 found.push(path);
             }
         }
@@ -170,6 +173,35 @@ fn cornell_boxes_of_mcguire_load() {
             if materials[t.material as usize].is_emissive() {
                 assert!(t.geometric_normal().is_some_and(|n| n.y < -0.99), "{t:?}");
             }
+        }
+    }
+}
+
+/// Their meshes lie in a folder beside theirs, from where nothing is read: with the files in place all
+/// load but those whose files do not exist.
+#[test]
+fn evaluation_scenes_of_ignis_load_beside_their_files() {
+    let folder = "references/ignis-evaluation/evaluation";
+    let meshes = collection_of(&format!("{folder}/meshes"), &["obj", "ply"]);
+    let place = tempfile::TempDir::new().unwrap();
+    fs::create_dir(place.path().join("meshes")).unwrap();
+    for mesh in meshes {
+        fs::copy(&mesh, place.path().join("meshes").join(mesh.file_name().unwrap())).unwrap();
+    }
+    for path in collection_of(&format!("{folder}/mitsuba"), &["xml"]) {
+        let text = fs::read_to_string(&path).unwrap();
+        if text.contains("../meshes") {
+            assert!(matches!(load(&path), Err(ImportError::UnsafePath { .. })), "{}", path.display());
+        }
+        let beside = place.path().join(path.file_name().unwrap());
+        fs::write(&beside, text.replace("../meshes", "meshes")).unwrap();
+        match load(&beside) {
+            Ok(import) => {
+                println!("{}: {:?}", path.display(), import.scene.counts());
+                import.warnings.iter().for_each(|warning| println!("    {warning}"));
+            }
+            Err(ImportError::UnsafePath { uri, .. }) => assert!(uri.starts_with("../textures"), "{uri}"),
+            Err(other) => panic!("{other}"),
         }
     }
 }

@@ -6,6 +6,7 @@ mod agreement;
 mod closed_forms;
 mod degenerate;
 mod devices;
+mod importers;
 mod instances;
 mod joins;
 mod references;

@@ -7,6 +7,7 @@ mod build;
 mod maps;
 mod mtl;
 mod parse;
+mod shape;
 mod surface;
 mod text;
 
@@ -22,6 +23,7 @@ use crate::{
 };
 use maps::Maps;
 use mtl::Library;
+pub(crate) use shape::shape;
 
 pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     let bytes = files::read_scene(path, true)?;
