@@ -18,8 +18,10 @@ mod files;
 mod geometry;
 mod gltf;
 mod images;
+mod metals;
 mod obj;
 mod ply;
+mod spectrum;
 mod warning;
 
 use std::path::Path;
