@@ -20,6 +20,7 @@ mod gltf;
 mod images;
 mod metals;
 mod obj;
+mod pbrt;
 mod ply;
 mod spectrum;
 mod warning;
@@ -35,7 +36,7 @@ pub use error::{ImportError, Place};
 pub use warning::{Warning, WarningKind};
 
 /// The formats read, for messages and help.
-pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
+pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj), pbrt (.pbrt) and PLY (.ply)";
 
 /// A scene as read, and what was left out of it.
 #[derive(Clone, Debug)]
@@ -72,6 +73,7 @@ fn read(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     match extension.as_deref() {
         Some("gltf" | "glb") => gltf::load(path, warnings),
         Some("obj") => obj::load(path, warnings),
+        Some("pbrt") => pbrt::load(path, warnings),
         Some("ply") => ply::load(path, warnings),
         _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, warnings),
         _ => Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
