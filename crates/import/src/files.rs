@@ -109,6 +109,12 @@ impl SceneFolder {
         Ok(bytes)
     }
 
+    /// The same, read anew and not held: for what is parsed once.
+    pub fn read_unheld(&self, name: &str, place: &Place) -> Result<Vec<u8>, ImportError> {
+        let path = self.find(name, place)?;
+        read_open(&path, open(&path)?, MAX_BUFFER_BYTES)
+    }
+
     /// A text file in the folder, by a relative path that is not percent-encoded.
     pub fn read_text(&self, name: &str, place: &Place) -> Result<Vec<u8>, ImportError> {
         let path = self.find(name, place)?;

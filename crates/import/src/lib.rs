@@ -22,6 +22,7 @@ mod images;
 mod metals;
 mod mitsuba;
 mod obj;
+mod pbrt;
 mod ply;
 mod spectrum;
 mod warning;
@@ -38,7 +39,8 @@ pub use error::{ImportError, Place};
 pub use warning::{Warning, WarningKind};
 
 /// The formats read, for messages and help.
-pub const FORMATS: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj), PLY (.ply) and Mitsuba (.xml)";
+pub const FORMATS: &str =
+    "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj), PLY (.ply), Mitsuba (.xml) and pbrt (.pbrt)";
 
 /// What is said of a scene without lights.
 pub const NO_LIGHT: &str = "nothing emits light: the image will be black";
@@ -78,6 +80,7 @@ fn read(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     match extension.as_deref() {
         Some("gltf" | "glb") => gltf::load(path, warnings),
         Some("obj") => obj::load(path, warnings),
+        Some("pbrt") => pbrt::load(path, warnings),
         Some("ply") => ply::load(path, warnings),
         Some("xml") => mitsuba::load(path, warnings),
         _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, warnings),

@@ -11,5 +11,6 @@ mod instances;
 mod joins;
 mod references;
 mod repeatability;
+mod same_scene;
 mod strategies;
 mod support;

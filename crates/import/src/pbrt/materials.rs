@@ -1,0 +1,316 @@
+//! pbrt-v4's materials. Those of v3 are in `materials_v3`.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+use midway_scene::{
+    ColorInput, ConductorFresnel, Material, MetallicRoughness, NormalMap, Roughness, Surface,
+};
+
+use super::{
+    colours::{Reader, Use},
+    lex::shortened,
+    materials_v3,
+    params::Params,
+    textures::{Scalar, Textures},
+};
+use crate::{
+    ImportError, default_material,
+    images::Encoding,
+    metals::{self, ComplexIor},
+    warning::{WarningKind, Warnings},
+};
+
+/// Materials read so far. The first is the one in force before any is named.
+pub(super) struct Materials {
+    pub list: Vec<Material>,
+    named: HashMap<String, usize>,
+}
+
+impl Materials {
+    pub fn new() -> Self {
+        let grey = Material::new(Surface::diffuse(Vec3::splat(0.5)));
+        Self { list: vec![grey], named: HashMap::new() }
+    }
+
+    /// Adds a definition under a name or none; returns its index.
+    pub fn define(&mut self, name: Option<&str>, material: Material) -> usize {
+        let index = self.list.len();
+        self.list.push(Material { name: name.unwrap_or_default().to_owned(), ..material });
+        if let Some(name) = name {
+            self.named.insert(name.to_owned(), index);
+        }
+        index
+    }
+
+    /// One by name; grey, and a warning, where there is none.
+    pub fn named(&mut self, name: &str, params: &Params, warnings: &mut Warnings) -> usize {
+        if let Some(&known) = self.named.get(name) {
+            return known;
+        }
+        let message =
+            format!("the material \"{}\" is not defined: rendered as diffuse grey", shortened(name));
+        warnings.add(WarningKind::Approximation, params.place.short(), message);
+        self.define(Some(name), default_material())
+    }
+}
+
+/// A material being read.
+pub(super) struct Definition<'a> {
+    pub params: &'a Params,
+    pub reader: &'a Reader<'a>,
+    pub textures: &'a mut Textures,
+    pub materials: &'a mut Materials,
+    pub warnings: &'a mut Warnings,
+}
+
+impl Definition<'_> {
+    /// The material of a type by that type's name.
+    pub fn read(mut self, kind: &str) -> Result<Material, ImportError> {
+        let surface = match self.surface_v4(kind)? {
+            Some(surface) => surface,
+            None => match materials_v3::surface(&mut self, kind)? {
+                Some(surface) => surface,
+                None => self.unknown(kind)?,
+            },
+        };
+        let mut material = Material::new(surface);
+        if kind == "mix" {
+            material = self.mix()?;
+        }
+        if kind == "uber" {
+            material.opacity = materials_v3::opacity(&mut self)?;
+        }
+        if let Some(file) = self.params.string("normalmap")? {
+            let (params, reader) = (self.params, self.reader);
+            let texture = self.textures.plain(file, Encoding::Normal, params, reader, self.warnings)?;
+            material.normal_map = texture.map(|texture| NormalMap { texture, scale: 1.0 });
+        }
+        if self.params.has("displacement") || self.params.has("bumpmap") {
+            self.warn(WarningKind::Texture, "displacements and bump maps are not used");
+        }
+        self.params.warn_of_unused(&format!("materials \"{kind}\""), self.warnings);
+        Ok(material)
+    }
+
+    pub fn warn(&mut self, kind: WarningKind, message: impl Into<String>) {
+        self.warnings.add(kind, self.params.place.short(), message);
+    }
+
+    pub fn approximated(&mut self, message: impl Into<String>) {
+        self.warn(WarningKind::Approximation, message);
+    }
+
+    pub fn albedo(&mut self, name: &str, default: f32) -> Result<ColorInput, ImportError> {
+        self.textures.albedo(self.params, name, default, self.reader, self.warnings)
+    }
+
+    pub fn scalar(&mut self, name: &str) -> Result<Option<Scalar>, ImportError> {
+        self.textures.scalar(self.params, name, self.warnings)
+    }
+
+    fn surface_v4(&mut self, kind: &str) -> Result<Option<Surface>, ImportError> {
+        Ok(Some(match kind {
+            "" | "interface" | "none" => Surface::Null,
+            "diffuse" => Surface::Diffuse { reflectance: self.albedo("reflectance", 0.5)? },
+            "coateddiffuse" => self.coated_diffuse()?,
+            "conductor" => {
+                let roughness = self.roughness("", 0.0)?;
+                Surface::Conductor { fresnel: self.fresnel("")?, roughness }
+            }
+            "coatedconductor" => self.coated_conductor()?,
+            "dielectric" => self.dielectric(false)?,
+            "thindielectric" => self.dielectric(true)?,
+            "diffusetransmission" => {
+                self.params.ignore(&["transmittance", "scale"]);
+                self.approximated("\"diffusetransmission\" is rendered without what it transmits");
+                Surface::Diffuse { reflectance: self.albedo("reflectance", 0.25)? }
+            }
+            // Read by `mix`, which replaces all of it.
+            "mix" => Surface::Null,
+            _ => return Ok(None),
+        }))
+    }
+
+    /// α of a microfacet surface: `roughness`, or `uroughness` and `vroughness`, after a prefix;
+    /// by pbrt-v4's √ unless `remaproughness` says otherwise.
+    fn roughness(&mut self, prefix: &str, default: f32) -> Result<Roughness, ImportError> {
+        self.roughness_by(prefix, default, f32::sqrt)
+    }
+
+    pub fn roughness_by(
+        &mut self,
+        prefix: &str,
+        default: f32,
+        remap: impl Fn(f32) -> f32,
+    ) -> Result<Roughness, ImportError> {
+        let all = self.scalar(&format!("{prefix}roughness"))?.unwrap_or(default.into());
+        let along = self.scalar(&format!("{prefix}uroughness"))?.unwrap_or(all.clone());
+        let across = self.scalar(&format!("{prefix}vroughness"))?.unwrap_or(all);
+        let remaps = self.params.bool_or("remaproughness", true)?;
+        let [along, across] = [along, across].map(|scalar| {
+            self.textures.map(&scalar, |x| if remaps { remap(x.max(0.0)) } else { x.max(0.0) })
+        });
+        Ok(Roughness { along, across, squared: false })
+    }
+
+    fn coated_diffuse(&mut self) -> Result<Surface, ImportError> {
+        self.ignore_coat();
+        Ok(Surface::Plastic {
+            reflectance: self.albedo("reflectance", 0.5)?,
+            specular: Vec3::ONE.into(),
+            ior: self.reader.ior(self.params, &["eta"], 1.5)?,
+            nonlinear: true,
+            roughness: self.roughness("", 0.0)?,
+        })
+    }
+
+    /// What the random walk between a coat and its base takes; a medium between the two is said.
+    fn ignore_coat(&mut self) {
+        self.params.ignore(&["thickness", "maxdepth", "nsamples", "g"]);
+        if self.params.has("albedo") {
+            self.approximated("the medium within a coat (\"albedo\") is left out");
+        }
+    }
+
+    /// η and k by a prefix, or a reflectance at normal incidence.
+    fn fresnel(&mut self, prefix: &str) -> Result<ConductorFresnel, ImportError> {
+        let [eta, k, reflectance] = ["eta", "k", "reflectance"].map(|name| match name {
+            "reflectance" => name.to_owned(),
+            _ => format!("{prefix}{name}"),
+        });
+        if self.params.has(&reflectance) {
+            let f0 = self.albedo(&reflectance, 0.0)?;
+            let plain = f0.texture.is_none();
+            let fresnel = fresnel_of_reflectance(f0.value);
+            return Ok(if plain { fresnel } else { ConductorFresnel::Schlick { f0 } });
+        }
+        let ComplexIor { eta, k } = self.complex_ior(&eta, &k)?;
+        Ok(ConductorFresnel::Complex { eta, k, tint: Vec3::ONE.into() })
+    }
+
+    /// Copper where nothing is said.
+    pub fn complex_ior(&mut self, eta: &str, k: &str) -> Result<ComplexIor, ImportError> {
+        let copper = metals::metal("Cu").unwrap_or(ComplexIor { eta: Vec3::ONE, k: Vec3::ZERO });
+        Ok(ComplexIor {
+            eta: self.reader.colour_or(self.params, eta, Use::Unbounded, copper.eta)?,
+            k: self.reader.colour_or(self.params, k, Use::Unbounded, copper.k)?,
+        })
+    }
+
+    /// A metal under a clear coat, by glTF's model.
+    fn coated_conductor(&mut self) -> Result<Surface, ImportError> {
+        self.ignore_coat();
+        self.approximated("\"coatedconductor\" is rendered as a metal under glTF's clear coat");
+        let coat = self.reader.ior(self.params, &["interface.eta"], 1.5)?;
+        let base_color = match self.fresnel("conductor.")? {
+            ConductorFresnel::Schlick { f0 } => f0,
+            ConductorFresnel::Complex { eta, k, .. } => normal_reflectance(eta / coat, k / coat).into(),
+        };
+        // glTF's roughness is the root of α, which is the root of pbrt's.
+        let fourth_root = |x: f32| x.sqrt().sqrt();
+        let metal = self.roughness_by("conductor.", 0.0, fourth_root)?.along;
+        let clear = self.roughness_by("interface.", 0.0, fourth_root)?.along;
+        Ok(Surface::MetallicRoughness(Box::new(MetallicRoughness {
+            base_color,
+            metallic: 1.0.into(),
+            roughness: metal,
+            clearcoat: 1.0.into(),
+            clearcoat_roughness: clear,
+            ..MetallicRoughness::default()
+        })))
+    }
+
+    fn dielectric(&mut self, thin: bool) -> Result<Surface, ImportError> {
+        Ok(Surface::Dielectric {
+            ior: self.reader.ior(self.params, &["eta"], 1.5)?,
+            reflection: Vec3::ONE.into(),
+            transmission: Vec3::ONE.into(),
+            sigma_a: Vec3::ZERO,
+            thin,
+            roughness: if thin { Roughness::smooth() } else { self.roughness("", 0.0)? },
+        })
+    }
+
+    /// Between two named materials, by `materials` (v4) or `namedmaterial1` and `2` (v3).
+    fn mix(&mut self) -> Result<Material, ImportError> {
+        let names: Vec<String> = match self.params.strings("materials")? {
+            Some(names) => names.to_vec(),
+            None => ["namedmaterial1", "namedmaterial2"]
+                .into_iter()
+                .map(|name| Ok(self.params.string(name)?.unwrap_or_default().to_owned()))
+                .collect::<Result<_, ImportError>>()?,
+        };
+        let [first, second] = &names[..] else {
+            return Err(self.params.malformed("a \"mix\" is of two materials"));
+        };
+        let [a, b] = [first, second].map(|name| {
+            let index = self.materials.named(name, self.params, self.warnings);
+            self.materials.list[index].clone()
+        });
+        // How much of the second there is in v4, and of the first in v3.
+        let of_first = !self.params.has("materials");
+        let amount = if self.params.texture("amount")?.is_some() {
+            self.approximated("mixtures of materials by an image are rendered as half and half");
+            0.5
+        } else {
+            self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?.y
+        };
+        let of_second = if of_first { 1.0 - amount } else { amount };
+        if let (Some(a), Some(b)) = (plain_diffuse(&a), plain_diffuse(&b)) {
+            return Ok(Material::new(Surface::diffuse(a.lerp(b, of_second))));
+        }
+        self.approximated("mixtures of materials are rendered as the one there is more of");
+        Ok(if of_second <= 0.5 { a } else { b })
+    }
+
+    fn unknown(&mut self, kind: &str) -> Result<Surface, ImportError> {
+        let message = format!("materials \"{}\" are rendered as diffuse", shortened(kind));
+        self.approximated(message);
+        for name in ["reflectance", "color", "Kd"] {
+            if self.params.has(name) {
+                return Ok(Surface::Diffuse { reflectance: self.albedo(name, 0.5)? });
+            }
+        }
+        Ok(Surface::diffuse(Vec3::splat(0.5)))
+    }
+}
+
+fn plain_diffuse(material: &Material) -> Option<Vec3> {
+    match &material.surface {
+        Surface::Diffuse { reflectance }
+            if reflectance.texture.is_none() && material.normal_map.is_none() =>
+        {
+            Some(reflectance.value)
+        }
+        _ => None,
+    }
+}
+
+/// η = 1 and the k that reflects so much at normal incidence, as pbrt-v4 has it.
+fn fresnel_of_reflectance(reflectance: Vec3) -> ConductorFresnel {
+    let r = reflectance.clamp(Vec3::ZERO, Vec3::splat(0.9999));
+    let k = r.map(|r| 2.0 * (r / (1.0 - r)).sqrt());
+    ConductorFresnel::Complex { eta: Vec3::ONE, k, tint: Vec3::ONE.into() }
+}
+
+/// Of a metal in air: ((η - 1)² + k²) / ((η + 1)² + k²).
+fn normal_reflectance(eta: Vec3, k: Vec3) -> Vec3 {
+    let k2 = k * k;
+    let below = (eta + 1.0) * (eta + 1.0) + k2;
+    (((eta - 1.0) * (eta - 1.0) + k2) / below).clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reflectance_there_and_back() {
+        let wanted = Vec3::new(0.0, 0.5, 0.95);
+        let ConductorFresnel::Complex { eta, k, .. } = fresnel_of_reflectance(wanted) else {
+            panic!("not complex");
+        };
+        assert!((normal_reflectance(eta, k) - wanted).abs().max_element() <= 1e-5);
+    }
+}

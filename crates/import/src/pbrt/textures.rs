@@ -1,0 +1,475 @@
+//! `Texture` directives: images where there are images, values where they fold, else the nearest.
+//!
+//! Images lie on surfaces with v upwards in pbrt and downwards in the scene.
+
+use std::collections::HashMap;
+
+use glam::{Mat3, Vec3};
+use midway_scene::{Channel, ColorInput, Filter, Image, ScalarInput, Texels, Texture, Wrap};
+
+use super::{
+    colours::{Reader, Use},
+    lex::shortened,
+    params::Params,
+};
+use crate::{
+    ImportError,
+    images::{self, Encoding, Images},
+    warning::{WarningKind, Warnings},
+};
+
+/// A float texture.
+#[derive(Clone)]
+pub(super) struct Scalar {
+    pub input: ScalarInput,
+    /// What `input` refers to, for functions of it.
+    image: Option<Image>,
+}
+
+/// Named textures, and the images that they and others need.
+#[derive(Default)]
+pub(super) struct Textures {
+    pub images: Images,
+    colours: HashMap<String, ColorInput>,
+    scalars: HashMap<String, Scalar>,
+}
+
+impl From<f32> for Scalar {
+    fn from(value: f32) -> Self {
+        Self { input: value.into(), image: None }
+    }
+}
+
+impl Textures {
+    /// Reads a definition.
+    pub fn define(
+        &mut self,
+        [name, kind, class]: [&str; 3],
+        params: &Params,
+        reader: &Reader,
+        warnings: &mut Warnings,
+    ) -> Result<(), ImportError> {
+        let mut definition = Definition { textures: self, params, reader, warnings };
+        match kind {
+            "float" => {
+                let scalar = definition.scalar(class)?;
+                self.scalars.insert(name.to_owned(), scalar);
+            }
+            "spectrum" | "color" => {
+                let colour = definition.colour(class)?;
+                self.colours.insert(name.to_owned(), colour);
+            }
+            other => {
+                let problem =
+                    format!("a texture is \"float\" or \"spectrum\", and not \"{}\"", shortened(other));
+                return Err(params.malformed(problem));
+            }
+        }
+        params.warn_of_unused(&format!("textures \"{class}\""), warnings);
+        Ok(())
+    }
+
+    /// A parameter that is a spectrum or names a texture; its value is in [0, 1].
+    pub fn albedo(
+        &mut self,
+        params: &Params,
+        name: &str,
+        default: f32,
+        reader: &Reader,
+        warnings: &mut Warnings,
+    ) -> Result<ColorInput, ImportError> {
+        let Some(texture) = params.texture(name)? else {
+            return Ok(reader.colour_or(params, name, Use::Albedo, Vec3::splat(default))?.into());
+        };
+        if let Some(known) = self.colours.get(texture) {
+            return Ok(known.clone());
+        }
+        missing(params, texture, warnings);
+        Ok(Vec3::splat(default).into())
+    }
+
+    /// A parameter that is a number or names a float texture; none where it is missing.
+    pub fn scalar(
+        &mut self,
+        params: &Params,
+        name: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Scalar>, ImportError> {
+        let Some(texture) = params.texture(name)? else {
+            return Ok(params.float(name)?.map(Scalar::from));
+        };
+        let known = self.scalars.get(texture).cloned();
+        if known.is_none() {
+            missing(params, texture, warnings);
+        }
+        Ok(known)
+    }
+
+    /// A function of a float texture that is not linear, the result in [0, 1].
+    pub fn map(&mut self, scalar: &Scalar, f: impl Fn(f32) -> f32) -> ScalarInput {
+        let f = |x: f32| f(x).clamp(0.0, 1.0);
+        let (Some(image), Some((texture, channel))) = (&scalar.image, &scalar.input.texture) else {
+            return f(scalar.input.value).into();
+        };
+        let value = scalar.input.value;
+        let mapped = transformed(image, |[x, _, _, a]| {
+            let y = f(value * if *channel == Channel::A { a } else { x });
+            [y, y, y, 1.0]
+        });
+        let texture = Texture { image: self.images.ready(mapped), ..texture.clone() };
+        ScalarInput { value: 1.0, texture: Some((texture, Channel::R)) }
+    }
+
+    /// An image file on the whole of a surface's (u, v).
+    pub fn plain(
+        &mut self,
+        file: &str,
+        encoding: Encoding,
+        params: &Params,
+        reader: &Reader,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Texture>, ImportError> {
+        let image = self.images.file(reader.folder, file, encoding, &params.place, warnings)?;
+        Ok(image.map(|image| Texture { image_from_uv: flipped([1.0, 1.0, 0.0, 0.0]), ..Texture::new(image) }))
+    }
+}
+
+fn missing(params: &Params, texture: &str, warnings: &mut Warnings) {
+    let message =
+        format!("the texture \"{}\" is not defined: the default takes its place", shortened(texture));
+    warnings.add(WarningKind::Texture, params.place.short(), message);
+}
+
+/// Image from (u, v) by pbrt's scales and offsets, v turned over.
+fn flipped([su, sv, du, dv]: [f32; 4]) -> Mat3 {
+    Mat3::from_cols_array(&[su, 0.0, 0.0, 0.0, -sv, 0.0, du, 1.0 - dv, 1.0])
+}
+
+/// A function of each texel, cut off at 0 and 1, in 16 bits.
+fn transformed(image: &Image, f: impl Fn([f32; 4]) -> [f32; 4]) -> Image {
+    let word = |x: f32| (x.clamp(0.0, 1.0) * 65535.0).round() as u16;
+    let texels = (0..image.texels.len()).map(|i| f(image.texels.linear(i)).map(word)).collect();
+    Image { texels: Texels::Linear16(texels), ..image.clone() }
+}
+
+/// A texture being defined.
+struct Definition<'a> {
+    textures: &'a mut Textures,
+    params: &'a Params,
+    reader: &'a Reader<'a>,
+    warnings: &'a mut Warnings,
+}
+
+impl Definition<'_> {
+    fn approximated(&mut self, message: impl Into<String>) {
+        self.warnings.add(WarningKind::Approximation, self.params.place.short(), message);
+    }
+
+    fn input(&mut self, name: &str, default: f32) -> Result<ColorInput, ImportError> {
+        self.textures.albedo(self.params, name, default, self.reader, self.warnings)
+    }
+
+    fn number(&mut self, name: &str, default: f32) -> Result<Scalar, ImportError> {
+        Ok(self.textures.scalar(self.params, name, self.warnings)?.unwrap_or(default.into()))
+    }
+
+    fn colour(&mut self, class: &str) -> Result<ColorInput, ImportError> {
+        match class {
+            "constant" => self.input("value", 1.0),
+            "imagemap" => self.colour_image(),
+            "checkerboard" => {
+                let tex = [self.input("tex1", 1.0)?, self.input("tex2", 0.0)?];
+                let [a, b] = tex.map(|t| self.flat(t));
+                let texture = self.checkerboard(a, b)?;
+                Ok(ColorInput { value: Vec3::ONE, texture: Some(texture) })
+            }
+            "scale" => {
+                let (a, b) = if self.params.has("tex1") {
+                    (self.input("tex1", 1.0)?, self.input("tex2", 1.0)?)
+                } else {
+                    let scale = self.number("scale", 1.0)?.input;
+                    let texture = scale.texture.map(|(texture, _)| texture);
+                    (self.input("tex", 1.0)?, ColorInput { value: Vec3::splat(scale.value), texture })
+                };
+                Ok(self.product(a, b))
+            }
+            "mix" | "directionmix" => {
+                let (a, b) = (self.input("tex1", 0.0)?, self.input("tex2", 1.0)?);
+                let amount = self.amount(class)?;
+                if a.texture.is_none() && b.texture.is_none() {
+                    return Ok(a.value.lerp(b.value, amount).into());
+                }
+                self.approximated("mixtures of images are rendered as the one there is more of");
+                Ok(if amount < 0.5 { a } else { b })
+            }
+            "bilerp" => {
+                let mut mean = Vec3::ZERO;
+                for corner in ["v00", "v01", "v10", "v11"] {
+                    mean += self.reader.colour_or(self.params, corner, Use::Albedo, Vec3::ZERO)? / 4.0;
+                }
+                self.approximated("textures \"bilerp\" are rendered as their mean");
+                Ok(mean.into())
+            }
+            "dots" => {
+                self.approximated("textures \"dots\" are rendered without the dots");
+                self.input("outside", 1.0)
+            }
+            other => {
+                self.stand_in(other);
+                Ok(Vec3::splat(0.5).into())
+            }
+        }
+    }
+
+    fn scalar(&mut self, class: &str) -> Result<Scalar, ImportError> {
+        match class {
+            "constant" => Ok(self.params.float_or("value", 1.0)?.into()),
+            "imagemap" => self.scalar_image(),
+            "checkerboard" => {
+                let (a, b) = (self.number("tex1", 1.0)?.input.value, self.number("tex2", 0.0)?.input.value);
+                let texture = self.checkerboard(Vec3::splat(a), Vec3::splat(b))?;
+                let image = checker_image(Vec3::splat(a), Vec3::splat(b));
+                let input = ScalarInput { value: 1.0, texture: Some((texture, Channel::R)) };
+                Ok(Scalar { input, image: Some(image) })
+            }
+            "scale" => {
+                let names = if self.params.has("tex1") { ["tex1", "tex2"] } else { ["tex", "scale"] };
+                let (mut a, b) = (self.number(names[0], 1.0)?, self.number(names[1], 1.0)?);
+                let value = a.input.value * b.input.value;
+                if a.input.texture.is_none() {
+                    a = b;
+                } else if b.input.texture.is_some() {
+                    self.approximated("products of two images are rendered as the first");
+                }
+                a.input.value = value;
+                Ok(a)
+            }
+            "mix" | "directionmix" => {
+                let (a, b) = (self.number("tex1", 0.0)?, self.number("tex2", 1.0)?);
+                let amount = self.amount(class)?;
+                if a.image.is_none() && b.image.is_none() {
+                    return Ok((a.input.value + (b.input.value - a.input.value) * amount).into());
+                }
+                self.approximated("mixtures of images are rendered as the one there is more of");
+                Ok(if amount < 0.5 { a } else { b })
+            }
+            other => {
+                self.stand_in(other);
+                Ok(0.5.into())
+            }
+        }
+    }
+
+    fn stand_in(&mut self, class: &str) {
+        self.params.ignore(&[
+            "octaves",
+            "roughness",
+            "scale",
+            "variation",
+            "mapping",
+            "value",
+            "tex1",
+            "tex2",
+            "inside",
+            "filename",
+            "encoding",
+            "v00",
+            "v01",
+            "v10",
+            "v11",
+        ]);
+        let message = format!("textures \"{}\" are rendered as a grey of 0.5", shortened(class));
+        self.warnings.add(WarningKind::Texture, self.params.place.short(), message);
+    }
+
+    /// How much of the second there is in a mixture.
+    fn amount(&mut self, class: &str) -> Result<f32, ImportError> {
+        if class == "directionmix" {
+            self.params.ignore(&["dir"]);
+            self.approximated("mixtures by direction are rendered as the same from all");
+            return Ok(0.5);
+        }
+        let amount = if self.params.texture("amount")?.is_some() {
+            self.number("amount", 0.5)?.input
+        } else {
+            let grey = self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?;
+            grey.y.into()
+        };
+        if amount.texture.is_some() {
+            self.approximated("mixtures whose amount is an image are rendered as half and half");
+            return Ok(0.5);
+        }
+        Ok(amount.value.clamp(0.0, 1.0))
+    }
+
+    fn product(&mut self, a: ColorInput, b: ColorInput) -> ColorInput {
+        let value = a.value * b.value;
+        let texture = match (a.texture, b.texture) {
+            (Some(a), Some(_)) => {
+                self.approximated("products of two images are rendered as the first");
+                Some(a)
+            }
+            (a, b) => a.or(b),
+        };
+        ColorInput { value: self.in_range(value), texture }
+    }
+
+    fn in_range(&mut self, value: Vec3) -> Vec3 {
+        if value.max_element() > 1.0 {
+            self.approximated("textures scaled beyond 1 are cut off at 1");
+        }
+        value.clamp(Vec3::ZERO, Vec3::ONE)
+    }
+
+    fn flat(&mut self, input: ColorInput) -> Vec3 {
+        if input.texture.is_some() {
+            self.approximated("images within a checkerboard are rendered as white");
+        }
+        input.value
+    }
+
+    fn checkerboard(&mut self, a: Vec3, b: Vec3) -> Result<Texture, ImportError> {
+        if self.params.float_or("dimension", 2.0)? != 2.0 {
+            self.approximated("checkerboards of three dimensions are rendered by (u, v)");
+        }
+        self.params.ignore(&["aamode"]);
+        let [su, sv, du, dv] = self.mapping()?;
+        let image = self.textures.images.ready(checker_image(a, b));
+        let image_from_uv = Mat3::from_cols_array(&[su, 0.0, 0.0, 0.0, sv, 0.0, du, dv, 2.0]) * 0.5;
+        Ok(Texture { image_from_uv, filter: Filter::Nearest, ..Texture::new(image) })
+    }
+
+    /// Scales and offsets of (u, v).
+    fn mapping(&mut self) -> Result<[f32; 4], ImportError> {
+        if self.params.string("mapping")?.unwrap_or("uv") != "uv" {
+            self.params.ignore(&["v1", "v2"]);
+            self.approximated("textures mapped by a sphere, a cylinder or a plane are mapped by (u, v)");
+        }
+        let mut numbers = [1.0, 1.0, 0.0, 0.0];
+        for (number, name) in numbers.iter_mut().zip(["uscale", "vscale", "udelta", "vdelta"]) {
+            *number = self.params.float_or(name, *number)?;
+        }
+        Ok(numbers)
+    }
+
+    fn wrap(&mut self) -> Result<Wrap, ImportError> {
+        Ok(match self.params.string("wrap")?.unwrap_or("repeat") {
+            "repeat" => Wrap::Repeat,
+            "clamp" => Wrap::Clamp,
+            "black" => Wrap::Black,
+            _ => {
+                self.approximated("images wrapped otherwise than repeat, clamp or black are repeated");
+                Wrap::Repeat
+            }
+        })
+    }
+
+    fn filter(&mut self) -> Result<Filter, ImportError> {
+        self.params.ignore(&["maxanisotropy", "trilinear"]);
+        Ok(match self.params.string("filter")? {
+            Some("point") => Filter::Nearest,
+            _ => Filter::Bilinear,
+        })
+    }
+
+    fn encoding(&mut self) -> Result<Encoding, ImportError> {
+        if !self.params.bool_or("gamma", true)? {
+            return Ok(Encoding::Linear);
+        }
+        Ok(match self.params.string("encoding")?.unwrap_or("sRGB") {
+            "linear" => Encoding::Linear,
+            encoding => {
+                if encoding != "sRGB" {
+                    self.approximated("images of another gamma are read as sRGB");
+                }
+                Encoding::Srgb
+            }
+        })
+    }
+
+    /// What an image file is laid on a surface by, but for the image.
+    fn layout(&mut self) -> Result<Texture, ImportError> {
+        let wrap = self.wrap()?;
+        let image_from_uv = flipped(self.mapping()?);
+        Ok(Texture { image: 0, uv_set: 0, image_from_uv, wrap: [wrap; 2], filter: self.filter()? })
+    }
+
+    fn file(&self) -> Result<&str, ImportError> {
+        let file = self.params.string("filename")?;
+        file.ok_or_else(|| self.params.malformed("an \"imagemap\" needs a \"filename\""))
+    }
+
+    fn colour_image(&mut self) -> Result<ColorInput, ImportError> {
+        let (layout, encoding) = (self.layout()?, self.encoding()?);
+        let scale = self.params.float_or("scale", 1.0)?;
+        let invert = self.params.bool_or("invert", false)?;
+        let place = &self.params.place;
+        let file = self.file()?.to_owned();
+        if !invert && (0.0..=1.0).contains(&scale) {
+            let image =
+                self.textures.images.file(self.reader.folder, &file, encoding, place, self.warnings)?;
+            let texture = image.map(|image| Texture { image, ..layout });
+            return Ok(ColorInput { value: Vec3::splat(scale), texture });
+        }
+        let Some(image) = self.read_now(&file, encoding)? else {
+            return Ok(Vec3::ONE.into());
+        };
+        let baked = transformed(&image, |[r, g, b, a]| {
+            let rgb = Vec3::new(r, g, b) * scale;
+            let rgb = if invert { Vec3::ONE - rgb } else { rgb };
+            rgb.clamp(Vec3::ZERO, Vec3::ONE).extend(a).to_array()
+        });
+        let image = self.textures.images.ready(baked);
+        Ok(ColorInput { value: Vec3::ONE, texture: Some(Texture { image, ..layout }) })
+    }
+
+    /// pbrt takes the alpha channel of an image that has one other than 1, else the mean of the
+    /// colours.
+    fn scalar_image(&mut self) -> Result<Scalar, ImportError> {
+        let (layout, encoding) = (self.layout()?, self.encoding()?);
+        let scale = self.params.float_or("scale", 1.0)?;
+        let invert = self.params.bool_or("invert", false)?;
+        let file = self.file()?.to_owned();
+        let Some(image) = self.read_now(&file, encoding)? else {
+            return Ok(1.0.into());
+        };
+        let has_alpha = (0..image.texels.len()).any(|i| image.texels.linear(i)[3] < 1.0);
+        let baked = transformed(&image, |[r, g, b, a]| {
+            let x = scale * if has_alpha { a } else { (r + g + b) / 3.0 };
+            let x = if invert { 1.0 - x } else { x }.max(0.0);
+            [x, x, x, 1.0]
+        });
+        let index = self.textures.images.ready(baked.clone());
+        let texture = Texture { image: index, ..layout };
+        Ok(Scalar {
+            input: ScalarInput { value: 1.0, texture: Some((texture, Channel::R)) },
+            image: Some(baked),
+        })
+    }
+
+    /// None, and a warning, where there is no such image or it is damaged.
+    fn read_now(&mut self, file: &str, encoding: Encoding) -> Result<Option<Image>, ImportError> {
+        match images::read_now(self.reader.folder, file, encoding, &self.params.place) {
+            Ok(image) => Ok(Some(image)),
+            Err(
+                error @ (ImportError::MissingBuffer { .. }
+                | ImportError::Malformed { .. }
+                | ImportError::Unreadable { .. }),
+            ) => {
+                let message = format!("the image \"{}\" cannot be read and is left out", shortened(file));
+                let kind = match error {
+                    ImportError::MissingBuffer { .. } => WarningKind::MissingFile,
+                    _ => WarningKind::Texture,
+                };
+                self.warnings.add(kind, self.params.place.short(), message);
+                Ok(None)
+            }
+            Err(other) => Err(other),
+        }
+    }
+}
+
+fn checker_image(a: Vec3, b: Vec3) -> Image {
+    let [a, b] = [a, b].map(|c| c.extend(1.0).to_array());
+    Image { name: "checkerboard".to_owned(), width: 2, height: 2, texels: Texels::Float([a, b, b, a].into()) }
+}
