@@ -29,7 +29,13 @@ pub struct Known {
 pub const SIZE: usize = 32;
 
 impl Known {
-    fn new(name: &'static str, scene: Scene, light_sees: bool, radiance: impl Fn(f64, f64) -> Vec3) -> Self {
+    /// A scene whose radiance is known at each point of the film in [-1, 1]², y up.
+    pub fn new(
+        name: &'static str,
+        scene: Scene,
+        light_sees: bool,
+        radiance: impl Fn(f64, f64) -> Vec3,
+    ) -> Self {
         let mean = Image::from_fn(SIZE, SIZE, |x, y| pixel_mean(x, y, &radiance).to_array());
         Self { name, scene, expected: Expected { mean, standard_error: None }, light_sees }
     }

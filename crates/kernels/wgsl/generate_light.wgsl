@@ -53,6 +53,6 @@ fn generate_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let ending = ending_chance(config, params.emitter_survival);
     let state = mis_begin_light(config, pdf_position, pdf_position, pdf_direction, abs(cos_front), ending);
     let origin = offset_origin(surface.position, select(-surface.ng, surface.ng, cos_front > 0.0));
-    store_path(id, Path(origin, index, direction, 0u, 0u, throughput, sample, state, light.medium));
+    store_path(id, Path(origin, index, direction, 0u, 0u, throughput, sample, state, light.medium, false));
     push_path(id);
 }

@@ -8,7 +8,7 @@ const PATH_STRIDE: u32 = 5u;
 
 struct Path {
     origin: vec3<f32>,
-    /// Pixel in the window, or the light path's index.
+    /// Pixel in the full film, or the light path's index.
     index: u32,
     direction: vec3<f32>,
     /// Surface vertices so far.
@@ -21,7 +21,15 @@ struct Path {
     mis: MisState,
     /// The medium (material) the ray is in, or NONE.
     medium: u32,
+    /// The first segment of a subpath that starts with parallel rays: the density of its end has no
+    /// inverse square in it.
+    parallel: bool,
 }
+
+// The word of counts: depth, joined, parallel.
+const DEPTH_MASK: u32 = 0xffffu;
+const JOINED_MASK: u32 = 0x7fffu;
+const PARALLEL_BIT: u32 = 0x80000000u;
 
 fn load_path(id: u32) -> Path {
     let at = id * PATH_STRIDE;
@@ -30,13 +38,13 @@ fn load_path(id: u32) -> Path {
     let c = paths[at + 2u];
     let d = paths[at + 3u];
     let counts = bitcast<u32>(b.w);
-    return Path(a.xyz, bitcast<u32>(a.w), b.xyz, counts & 0xffffu, counts >> 16u, c.xyz, bitcast<u32>(c.w),
-        MisState(d.x, d.y, d.z), bitcast<u32>(d.w));
+    return Path(a.xyz, bitcast<u32>(a.w), b.xyz, counts & DEPTH_MASK, (counts >> 16u) & JOINED_MASK, c.xyz,
+        bitcast<u32>(c.w), MisState(d.x, d.y, d.z), bitcast<u32>(d.w), (counts & PARALLEL_BIT) != 0u);
 }
 
 fn store_path(id: u32, path: Path) {
     let at = id * PATH_STRIDE;
-    let counts = path.depth | (path.joined << 16u);
+    let counts = path.depth | (path.joined << 16u) | select(0u, PARALLEL_BIT, path.parallel);
     paths[at] = vec4<f32>(path.origin, bitcast<f32>(path.index));
     paths[at + 1u] = vec4<f32>(path.direction, bitcast<f32>(counts));
     paths[at + 2u] = vec4<f32>(path.throughput, bitcast<f32>(path.sample));

@@ -17,11 +17,13 @@ pub struct Chain {
     survival: Vec<f64>,
     /// At x_i towards x_{i+1}, per solid angle, with survival.
     pub forward: Vec<f64>,
-    /// At x_i towards x_{i-1}, per solid angle, with survival; at x_k the camera's.
+    /// At x_i towards x_{i-1}, per solid angle, with survival; at x_k the camera's (`parallel`).
     pub reverse: Vec<f64>,
     /// Densities per area of x_0: as a light subpath's first vertex, and drawn for s = 1.
     position_area: f64,
     direct_area: f64,
+    /// The camera's rays are parallel: its density is per area across them.
+    pub parallel: bool,
 }
 
 impl Chain {
@@ -44,6 +46,7 @@ impl Chain {
             reverse,
             position_area,
             direct_area: if config.nee != 0 { random.between(0.1, 3.0) } else { position_area },
+            parallel: random.chance(0.5),
         }
     }
 
@@ -67,9 +70,15 @@ impl Chain {
         self.normals[i].dot((self.positions[j] - self.positions[i]).normalize()).abs()
     }
 
-    /// From a density at x_i per solid angle to one at x_j per area.
+    /// From a density at x_i per solid angle, of parallel rays per area across them, to one at x_j
+    /// per area.
     fn to_area(&self, i: usize, j: usize) -> f64 {
-        self.cosine(j, i) / self.distance2(i, j)
+        self.cosine(j, i) / self.spread(i, j)
+    }
+
+    /// What a subpath's density is divided by on the way from x_i to x_j.
+    fn spread(&self, i: usize, j: usize) -> f64 {
+        if self.parallel && i == self.edges() { 1.0 } else { self.distance2(i, j) }
     }
 
     /// c of strategy (s, t) by design.md section 4; 0 where it is not in use, or can have made this
@@ -121,7 +130,7 @@ impl Chain {
     }
 
     fn arrive(&self, config: MisConfig, state: MisState, from: usize, at: usize) -> MisState {
-        lib::mis_arrive(config, state, self.distance2(from, at) as f32, self.cosine(at, from) as f32)
+        lib::mis_arrive(config, state, self.spread(from, at) as f32, self.cosine(at, from) as f32)
     }
 
     /// The light subpath's states on arrival at x_1 … x_{k-1} (`shade_light`); x_0 has none.
