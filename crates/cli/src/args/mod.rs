@@ -11,8 +11,8 @@ use crate::status::Status;
 
 pub use render::RenderArgs;
 pub use values::{
-    CropArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg, ToneMapArg,
-    Vec3Arg,
+    CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
+    ToneMapArg, Vec3Arg,
 };
 
 /// A bidirectional path tracer for the GPU, and for the bare CPU.
