@@ -22,8 +22,6 @@ struct Light {
     medium: u32,
 }
 
-}
-
 fn load_light(index: u32) -> Light {
     let at = params.lights_at + index * LIGHT_STRIDE;
     let a = scene[at];
