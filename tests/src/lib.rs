@@ -1,6 +1,7 @@
 //! What the proofs share: scenes with known answers, batches of independent estimates, statistics.
 
 pub mod albedo;
+pub mod camera_scenes;
 pub mod estimate;
 pub mod integrators;
 pub mod lit;

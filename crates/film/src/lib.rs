@@ -28,7 +28,7 @@ pub use crate::{
     atomic::{check_writable, write_atomically},
     error::FilmError,
     error_log::{ErrorLog, ErrorRow},
-    exr_file::{Channel, ExrFile, Framing, write_exr},
+    exr_file::{Channel, ExrFile, Framing, write_exr, write_exr_with},
     flip::{DEFAULT_PIXELS_PER_DEGREE, flip},
     heatmap::{heatmap, magma},
     image::Image,

@@ -203,14 +203,7 @@ impl Lane {
 
     /// The counters that add up over the render: rays, rejected samples, overflows.
     pub fn totals(&self, device: &dyn Device) -> Result<LaneTotals, RenderError> {
-        let bytes = device.read_buffer(&self.counters, 0, u64::from(k::N_COUNTERS) * 4)?;
-        let words: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
-        let word = |index: u32| u64::from(words[index as usize]);
-        Ok(LaneTotals {
-            rays: word(k::COUNT_RAYS_LOW) | word(k::COUNT_RAYS_HIGH) << 32,
-            rejected: word(k::COUNT_REJECTED),
-            overflowed: word(k::COUNT_OVERFLOW),
-        })
+        read_totals(device, &self.counters)
     }
 
     fn shadow_commands(&self) -> [Command; 2] {
@@ -261,6 +254,18 @@ fn bounces_per_run(device: &dyn Device) -> usize {
         midway_device::DeviceKind::Cpu => 1,
         midway_device::DeviceKind::Gpu | midway_device::DeviceKind::SoftwareGpu => 8,
     }
+}
+
+/// The counters that add up, read from the device.
+pub fn read_totals(device: &dyn Device, counters: &Buffer) -> Result<LaneTotals, RenderError> {
+    let bytes = device.read_buffer(counters, 0, u64::from(k::N_COUNTERS) * 4)?;
+    let words: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
+    let word = |index: u32| u64::from(words[index as usize]);
+    Ok(LaneTotals {
+        rays: word(k::COUNT_RAYS_LOW) | word(k::COUNT_RAYS_HIGH) << 32,
+        rejected: word(k::COUNT_REJECTED),
+        overflowed: word(k::COUNT_OVERFLOW),
+    })
 }
 
 /// What a lane has counted since it was made.

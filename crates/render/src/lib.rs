@@ -12,6 +12,7 @@
 //! # Ok(()) }
 //! ```
 
+mod aov;
 mod batch;
 mod buffers;
 mod environment;
@@ -26,9 +27,11 @@ mod settings;
 mod sizes;
 mod world;
 
+pub use aov::Aov;
 pub use error::RenderError;
 pub use pack::PackedScene;
 pub use renderer::{RenderStats, Renderer};
 pub use settings::{
-    Crop, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy, RenderSettings,
+    Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy,
+    PixelFilter, RenderSettings,
 };

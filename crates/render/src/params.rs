@@ -4,7 +4,7 @@ use glam::Vec3;
 use midway_kernels::{constants as k, layout};
 use midway_scene::{Camera, Projection};
 
-use crate::{Integrator, Join, JoinChoice, Mis, PackedScene, RenderSettings};
+use crate::{FilterKind, Integrator, Join, JoinChoice, Mis, PackedScene, RenderSettings};
 
 /// Survival at y_0 in single-step without next-event estimation, where y_0 may be an end.
 const EMITTER_SURVIVAL: f32 = 0.75;
@@ -25,6 +25,12 @@ pub fn base_params(
         crop_y: window.y,
         crop_width: window.width,
         n_pixels: window.width * window.height,
+        film_width: settings.width,
+        filter_kind: match settings.filter.kind {
+            FilterKind::Box => k::FILTER_BOX,
+            FilterKind::BlackmanHarris => k::FILTER_BLACKMAN_HARRIS,
+        },
+        filter_width: settings.filter.width,
         // Mixed, so that seeds that differ in one bit are as far apart as any.
         seed: midway_kernels::native::lib::mix32(settings.seed),
         flags: flags(settings),
@@ -97,9 +103,9 @@ fn flags(settings: &RenderSettings) -> u32 {
 fn pack_camera(settings: &RenderSettings, camera: &Camera) -> layout::Camera {
     let (width, height) = (settings.width as f32, settings.height as f32);
     let axis = |v: Vec3| camera.world_from_camera.transform_vector3(v).normalize();
-    let half_height = match camera.projection {
-        Projection::Perspective { yfov } => (yfov * 0.5).tan(),
-        Projection::Orthographic { height } => height * 0.5,
+    let (half_height, parallel) = match camera.projection {
+        Projection::Perspective { yfov } => ((yfov * 0.5).tan(), 0),
+        Projection::Orthographic { height } => (height * 0.5, 1),
     };
     let half_width = half_height * width / height;
     layout::Camera {
@@ -112,6 +118,8 @@ fn pack_camera(settings: &RenderSettings, camera: &Camera) -> layout::Camera {
         forward: axis(Vec3::NEG_Z).to_array(),
         width,
         height,
-        ..bytemuck::Zeroable::zeroed()
+        lens_radius: camera.lens_radius,
+        inverse_focus: 1.0 / camera.focus_distance,
+        parallel,
     }
 }

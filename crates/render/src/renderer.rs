@@ -9,13 +9,14 @@ use std::{
 };
 
 use midway_device::{BoundKernel, Buffer, BufferUsage, Device, DeviceKind, MemoryPlan};
-use midway_film::Image;
+use midway_film::{Channel, Image};
 use midway_kernels::{constants as k, layout::Params};
 use midway_scene::{Camera, Scene};
 
 use crate::{
     Join, LightPaths, PackedScene, RenderError, RenderSettings,
-    batch::{LANE_KERNELS, Lane, LaneSize, LaneTotals},
+    aov::{AOV_KERNELS, Aovs},
+    batch::{LANE_KERNELS, Lane, LaneSize},
     buffers::{BufferSet, Pipelines, dispatch},
     params::{base_params, join_factor},
     pool::{POOL_KERNELS, Pool},
@@ -61,6 +62,7 @@ pub struct Renderer {
     resolve_params: Buffer,
     lanes: Vec<Lane>,
     pool: Option<Pool>,
+    aovs: Aovs,
     mean_light_vertices: f32,
     samples: u64,
     /// Paths of the next batch, by how long the last ones took.
@@ -102,10 +104,10 @@ impl Renderer {
             _ => n_pixels,
         };
         let mut base = base_params(&settings, camera, &packed, n_light_paths);
-        let shared_plan = plan_shared(&packed, n_pixels);
+        let shared_plan = plan_shared(&packed, &settings, n_pixels);
         shared_plan.check(device.info())?;
         let names: Vec<&'static str> =
-            LANE_KERNELS.into_iter().chain(POOL_KERNELS).chain(["resolve"]).collect();
+            LANE_KERNELS.into_iter().chain(POOL_KERNELS).chain(AOV_KERNELS).chain(["resolve"]).collect();
         let pipelines = Pipelines::load(&*device, &names)?;
         let mut shared = upload(&*device, &packed, n_pixels)?;
         let mut mean_light_vertices = 0.0;
@@ -122,6 +124,7 @@ impl Renderer {
         let lanes = (0..n_lanes)
             .map(|_| Lane::new(&*device, &pipelines, &shared, size, pool.is_none()))
             .collect::<Result<Vec<_>, _>>()?;
+        let aovs = Aovs::new(&*device, &pipelines, &shared, &settings.aovs, n_pixels)?;
         let first_batch =
             if device.info().kind == DeviceKind::Cpu { size.n_paths } else { size.n_paths.min(FIRST_BATCH) };
         let resolve_params =
@@ -143,6 +146,7 @@ impl Renderer {
             plan: sizes.plan,
             lanes,
             pool,
+            aovs,
             mean_light_vertices,
             samples: 0,
             batch: AtomicU32::new(first_batch),
@@ -169,7 +173,8 @@ impl Renderer {
     /// # Errors
     /// If the device fails.
     pub fn step(&mut self, max_samples: u64) -> Result<u64, RenderError> {
-        let n_samples = self.samples_per_pass().min(max_samples.max(1) as u32);
+        let largest = self.aovs.largest_pass(self.samples).min(max_samples.max(1));
+        let n_samples = self.samples_per_pass().min(u32::try_from(largest).unwrap_or(u32::MAX));
         let mut params = self.base;
         params.first_sample = self.samples as u32;
         if self.pool.is_some() {
@@ -181,6 +186,7 @@ impl Renderer {
                 self.render_batch(device, lane, Params { first_path: first, n_paths: n, ..params })
             })?;
         }
+        self.aovs.measure(&*self.device, &params, n_samples)?;
         self.samples += u64::from(n_samples);
         Ok(u64::from(n_samples))
     }
@@ -203,12 +209,21 @@ impl Renderer {
         })
     }
 
+    /// The channels of the layers that were asked for ([`RenderSettings::aovs`]), as they are so far.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn channels(&self) -> Result<Vec<Channel>, RenderError> {
+        self.aovs.channels(&*self.device, self.samples, self.base.n_pixels)
+    }
+
     /// Forgets all samples; the next pass is the first again.
     ///
     /// # Errors
     /// If the device fails.
     pub fn restart(&mut self) -> Result<(), RenderError> {
         self.device.run(&[midway_device::Command::Clear(self.film.clone())], false)?;
+        self.aovs.restart(&*self.device)?;
         self.samples = 0;
         Ok(())
     }
@@ -218,7 +233,7 @@ impl Renderer {
     /// # Errors
     /// If the device fails.
     pub fn stats(&self) -> Result<RenderStats, RenderError> {
-        let mut sum = LaneTotals::default();
+        let mut sum = self.aovs.totals(&*self.device)?;
         for lane in &self.lanes {
             let totals = lane.totals(&*self.device)?;
             sum.rays += totals.rays;

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::RenderError;
+use midway_kernels::constants as k;
+
+use crate::{Aov, RenderError};
 
 /// The window of the film that is rendered, in pixels from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -186,6 +188,53 @@ impl IntegratorSettings {
     }
 }
 
+/// The shape of a pixel filter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FilterKind {
+    /// Constant.
+    #[default]
+    Box,
+    /// The window of Blackman and Harris, of four terms.
+    BlackmanHarris,
+}
+
+/// What a pixel is the mean over: separable, by camera paths and splats alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelFilter {
+    /// Its shape.
+    pub kind: FilterKind,
+    /// Its full width in pixels, in (0, 16].
+    pub width: f32,
+}
+
+impl Default for PixelFilter {
+    /// A box one pixel wide.
+    fn default() -> Self {
+        Self::new(FilterKind::Box)
+    }
+}
+
+impl PixelFilter {
+    /// Of the usual width: 1 for the box, 3 for Blackman-Harris (Cycles' default, which it gives as
+    /// the half, 1.5).
+    pub fn new(kind: FilterKind) -> Self {
+        let width = match kind {
+            FilterKind::Box => 1.0,
+            FilterKind::BlackmanHarris => 3.0,
+        };
+        Self { kind, width }
+    }
+
+    /// As it is written into an image's header.
+    pub fn describe(&self) -> String {
+        let name = match self.kind {
+            FilterKind::Box => "box",
+            FilterKind::BlackmanHarris => "blackman-harris",
+        };
+        format!("{name} width={}", self.width)
+    }
+}
+
 /// One strategy looked at alone: for developers and for proofs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OneStrategy {
@@ -208,6 +257,10 @@ pub struct RenderSettings {
     pub crop: Option<Crop>,
     /// The same seed on the same device gives the same bits.
     pub seed: u32,
+    /// The pixel filter.
+    pub filter: PixelFilter,
+    /// Layers besides the beauty, in the order of the file.
+    pub aovs: Vec<Aov>,
     /// The integrator.
     pub integrator: IntegratorSettings,
     /// Bias: edges of a path at most.
@@ -227,6 +280,8 @@ impl Default for RenderSettings {
             height: 512,
             crop: None,
             seed: 0,
+            filter: PixelFilter::default(),
+            aovs: Vec::new(),
             integrator: IntegratorSettings::default(),
             max_path_length: None,
             rng_table: None,
@@ -280,6 +335,13 @@ impl RenderSettings {
             return fail(format!(
                 "the crop {},{},{},{} is not inside the film of {} x {}",
                 window.x, window.y, window.width, window.height, self.width, self.height
+            ));
+        }
+        let width = self.filter.width;
+        if !(width > 0.0 && width <= k::MAX_FILTER_WIDTH) {
+            return fail(format!(
+                "a filter of {width} pixels; it is above 0 and at most {} wide",
+                k::MAX_FILTER_WIDTH
             ));
         }
         if self.integrator.k == 0 || self.integrator.k > 1024 {

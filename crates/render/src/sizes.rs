@@ -3,7 +3,7 @@
 use midway_device::{DeviceInfo, DeviceKind, MemoryPlan};
 use midway_kernels::constants as k;
 
-use crate::{Join, PackedScene, RenderError, RenderSettings, batch::LaneSize, pool::PoolSize};
+use crate::{Join, PackedScene, RenderError, RenderSettings, aov, batch::LaneSize, pool::PoolSize};
 
 /// Light vertices are given this much more room than the pilot's mean asks for.
 const VERTEX_ROOM: f64 = 1.25;
@@ -105,7 +105,7 @@ pub fn reserved_slots(settings: &RenderSettings, n_paths: u32) -> u32 {
 }
 
 /// The memory that all lanes share, whatever their size.
-pub fn plan_shared(packed: &PackedScene, n_pixels: u32) -> MemoryPlan {
+pub fn plan_shared(packed: &PackedScene, settings: &RenderSettings, n_pixels: u32) -> MemoryPlan {
     let mut plan = MemoryPlan::default();
     plan.fixed("nodes", size_of_val(&packed.nodes[..]) as u64);
     plan.fixed("triangles", size_of_val(&packed.triangles[..]) as u64);
@@ -113,5 +113,6 @@ pub fn plan_shared(packed: &PackedScene, n_pixels: u32) -> MemoryPlan {
     plan.texels("texels", packed.images.bytes());
     plan.fixed("film", u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4);
     plan.fixed("image", u64::from(n_pixels) * 16);
+    aov::plan(settings, n_pixels, &mut plan);
     plan
 }

@@ -18,7 +18,13 @@ type Addition = (u32, [f32; 3]);
 
 /// Adds contributions, by shadow rays through an empty scene.
 fn add_all(device: &dyn midway_device::Device, additions: &[Addition], clamp: f32) -> Outputs {
-    let params = Params { n_pixels: N_PIXELS, crop_width: N_PIXELS, clamp, ..bytemuck::Zeroable::zeroed() };
+    let params = Params {
+        n_pixels: N_PIXELS,
+        crop_width: N_PIXELS,
+        film_width: N_PIXELS,
+        clamp,
+        ..bytemuck::Zeroable::zeroed()
+    };
     let nodes = build(&[], &BuildOptions::default()).expect("an empty hierarchy").nodes;
     let mut counters = [0u32; k::N_COUNTERS as usize];
     counters[k::COUNT_SHADOW_TRACE as usize] = additions.len() as u32;

@@ -1,4 +1,4 @@
-//! Samplers of disks, hemispheres, triangles, lights and the film, against their densities.
+//! Samplers of disks, hemispheres, triangles, and lights, against their densities.
 
 use std::f64::consts::{PI, TAU};
 
@@ -160,62 +160,5 @@ fn alias_pick_has_the_chances_of_the_weights() {
         ChiSquare::of(&observed, &expected).assert_holds(&format!("alias_pick of {n}"));
         let swapped: Vec<f64> = expected.iter().rev().copied().collect();
         ChiSquare::of(&observed, &swapped).assert_rejects("other weights");
-    }
-}
-
-/// A camera that looks along `forward`, 40 by 24 pixels.
-fn camera(forward: DVec3) -> lib::Camera {
-    let right = forward.any_orthonormal_vector();
-    let (half_width, half_height, width, height) = (0.9, 0.54, 40.0, 24.0);
-    lib::Camera {
-        origin: Vec3::new(1.0, 2.0, 3.0),
-        pixel_area: 4.0 * half_width * half_height / (width * height),
-        right: single(right),
-        half_width,
-        up: single(right.cross(forward)),
-        half_height,
-        forward: single(forward),
-        width,
-        height,
-    }
-}
-
-#[test]
-fn camera_directions_have_their_density() {
-    let mut random = Random::new(9);
-    for _ in 0..3 {
-        let forward = random.direction();
-        let camera = camera(forward);
-        let n_pixels = f64::from(camera.width * camera.height);
-        let cos_corner = 1.0 / (1.0 + 0.9f64.powi(2) + 0.54f64.powi(2)).sqrt();
-        let cap = Cap::new(double(camera.forward).normalize(), cos_corner * 0.999);
-        let mut sample = || {
-            let film = random.unit2() * Vec2::new(camera.width, camera.height);
-            Some(double(lib::camera_direction(camera, film)))
-        };
-        let pdf = |d: DVec3| {
-            let film = lib::camera_project(camera, single(d));
-            let inside = (0.0..camera.width).contains(&film.x) && (0.0..camera.height).contains(&film.y);
-            if inside { f64::from(lib::camera_pdf_sa(camera, film.z)) / n_pixels } else { 0.0 }
-        };
-        cap.test(N, &mut sample, pdf).assert_holds("camera_direction");
-        let no_cosines = |d: DVec3| if pdf(d) > 0.0 { 1.0 / (4.0 * 0.9 * 0.54) } else { 0.0 };
-        let flat = cap.test(N, &mut sample, |d| no_cosines(d) * 0.99);
-        flat.assert_rejects("a density without its cosines");
-    }
-}
-
-#[test]
-fn camera_projects_its_own_directions_back() {
-    let mut random = Random::new(10);
-    for _ in 0..2000 {
-        let camera = camera(random.direction());
-        let film = random.unit2() * Vec2::new(camera.width, camera.height);
-        let direction = lib::camera_direction(camera, film);
-        let back = lib::camera_project(camera, direction);
-        assert_near(f64::from(back.x), f64::from(film.x), 2e-4, "film x");
-        assert_near(f64::from(back.y), f64::from(film.y), 2e-4, "film y");
-        assert_near(f64::from(back.z), double(direction).dot(double(camera.forward)), 1e-6, "cosine");
-        assert_eq!(lib::camera_project(camera, -direction).z, 0.0, "behind the camera");
     }
 }

@@ -3,12 +3,16 @@
 //! error; `MIDWAY_NIGHTLY=1` takes more samples and holds means to 0.3 %.
 
 mod agreement;
+mod cameras;
 mod closed_forms;
+mod crops;
 mod degenerate;
 mod devices;
+mod filters;
 mod importers;
 mod instances;
 mod joins;
+mod layers;
 mod references;
 mod repeatability;
 mod same_scene;

@@ -51,7 +51,19 @@ pub fn estimate(
     case: &Case,
     samples: u64,
 ) -> Vec<Image> {
-    estimate_by_seed(device, scene, size, case, samples, seed_of(case))
+    estimate_by(device, scene, &settings(size, case.settings, seed_of(case)), case, samples)
+}
+
+/// As [`estimate`], with other settings than the size; their integrator and seed are the case's.
+pub fn estimate_with(
+    device: &Arc<dyn Device>,
+    scene: &Scene,
+    settings: &RenderSettings,
+    case: &Case,
+    samples: u64,
+) -> Vec<Image> {
+    let settings = RenderSettings { integrator: case.settings, seed: seed_of(case), ..settings.clone() };
+    estimate_by(device, scene, &settings, case, samples)
 }
 
 /// A second look at a case that failed, independent of the first and with four times the samples: a
@@ -63,22 +75,21 @@ pub fn estimate_again(
     case: &Case,
     samples: u64,
 ) -> Vec<Image> {
-    estimate_by_seed(device, scene, size, case, 4 * samples, !seed_of(case))
+    estimate_by(device, scene, &settings(size, case.settings, !seed_of(case)), case, 4 * samples)
 }
 
-fn estimate_by_seed(
+fn estimate_by(
     device: &Arc<dyn Device>,
     scene: &Scene,
-    size: usize,
+    settings: &RenderSettings,
     case: &Case,
     samples: u64,
-    seed: u32,
 ) -> Vec<Image> {
     let scale = if is_nightly() { NIGHTLY_SAMPLES } else { 1 };
     let affordable = (scale * samples) as f64 / case.cost;
     let n = if affordable < BATCHES as f64 { FEW_BATCHES } else { BATCHES };
     let each = (affordable / n as f64) as u64;
-    batches(device, scene, &settings(size, case.settings, seed), n, each.max(1))
+    batches(device, scene, settings, n, each.max(1))
 }
 
 /// Each case has a seed of its own (FNV-1a of its name): joins that share light paths would share

@@ -25,6 +25,10 @@ const SHADING_NORMALS: &str = "integrators_agree_on_shading_normals";
 const MATERIALS: &str = "integrators_agree_on_every_material";
 const SKY: &str = "a_floor_under_an_image_of_a_sky";
 const POINT_LIGHT: &str = "a_floor_under_a_point_light";
+const LENS: &str = "a_lens_half_covered";
+const PARALLEL_RAYS: &str = "facing_squares_by_parallel_rays";
+const FILTERS: &str = "an_edge_has_the_filters_profile";
+const CROPS: &str = "a_crop_has_the_bits_of_the_whole";
 
 /// The mutants.
 pub const MUTANTS: &[Mutant] = &[
@@ -170,13 +174,6 @@ pub const MUTANTS: &[Mutant] = &[
         caught_by: FURNACES,
     },
     Mutant {
-        name: "infinite-light-with-inverse-square",
-        file: "bindings/vertex.wgsl",
-        find: "select(hit.t * hit.t, 1.0, path.from_infinity)",
-        replace: "hit.t * hit.t",
-        caught_by: SKY,
-    },
-    Mutant {
         name: "environment-hit-without-its-rivals",
         file: "shade_camera.wgsl",
         find: "weight = mis_weight_hit(config, path.mis, factor, pdf_direct, pdf_emission);",
@@ -196,6 +193,34 @@ pub const MUTANTS: &[Mutant] = &[
         find: "1.0 / light.measure, 0.0);",
         replace: "1.0 / light.measure, 1.0);",
         caught_by: POINT_LIGHT,
+    },
+    Mutant {
+        name: "splats-through-the-middle-of-the-lens",
+        file: "connect_camera.wgsl",
+        find: "let start = camera_start(params.camera, film_point.xy, lens);",
+        replace: "let start = params.camera.origin;",
+        caught_by: LENS,
+    },
+    Mutant {
+        name: "parallel-rays-spread",
+        file: "bindings/vertex.wgsl",
+        find: "select(hit.t * hit.t, 1.0, path.parallel)",
+        replace: "hit.t * hit.t",
+        caught_by: PARALLEL_RAYS,
+    },
+    Mutant {
+        name: "splat-without-its-filters-sum",
+        file: "connect_camera.wgsl",
+        find: "column.weight * row.weight",
+        replace: "1.0",
+        caught_by: FILTERS,
+    },
+    Mutant {
+        name: "random-numbers-by-the-pixel-of-the-crop",
+        file: "generate_camera.wgsl",
+        find: "let ray = camera_sample(pixel, sample);",
+        replace: "let ray = camera_sample(place % params.n_pixels, sample);",
+        caught_by: CROPS,
     },
 ];
 

@@ -11,7 +11,7 @@ use crate::status::Status;
 
 pub use render::RenderArgs;
 pub use values::{
-    ColorArg, CropArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
+    CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
     ToneMapArg, Vec3Arg,
 };
 

@@ -5,8 +5,8 @@ use std::{path::PathBuf, time::Duration};
 use clap::Args;
 
 use super::values::{
-    ColorArg, CropArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
-    ToneMapArg, Vec3Arg, duration, finite_f32, positive_f32, stops,
+    AovArg, ColorArg, CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg,
+    ProgressArg, RngArg, ToneMapArg, Vec3Arg, duration, finite_f32, non_negative_f32, positive_f32, stops,
 };
 
 /// `midway render`.
@@ -39,6 +39,11 @@ pub struct RenderArgs {
     )]
     pub tone_map: ToneMapArg,
 
+    /// Layers beside the picture in the EXR: all, none, or any of albedo, normal, depth, position,
+    /// variance and samples.
+    #[arg(long, value_name = "all|none|LIST", default_value = "none", help_heading = "Output")]
+    pub aov: AovArg,
+
     /// Samples per pixel [default: 64, or no limit with --time]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=u32::MAX as u64), help_heading = "Image")]
     pub spp: Option<u64>,
@@ -48,15 +53,21 @@ pub struct RenderArgs {
     /// The same seed on the same device gives the same image, bit for bit.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Image")]
     pub seed: u32,
-    /// Pixels across [default: from the height and the camera]
+    /// Pixels across [default: the camera's, or from the height and the camera]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=65_535), help_heading = "Image")]
     pub width: Option<u32>,
-    /// Pixels down [default: from the width and the camera, or 512]
+    /// Pixels down [default: the camera's, or from the width and the camera, or 512]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=65_535), help_heading = "Image")]
     pub height: Option<u32>,
     /// Render only this part of the frame, in pixels from its top left.
     #[arg(long, value_name = "X,Y,W,H", help_heading = "Image")]
     pub crop: Option<CropArg>,
+    /// What a pixel is the mean over.
+    #[arg(long, value_enum, value_name = "FILTER", default_value_t, help_heading = "Image")]
+    pub filter: FilterArg,
+    /// The filter's full width, up to 16 [default: 1 for box, 3 for blackman-harris]
+    #[arg(long, value_name = "PIXELS", value_parser = positive_f32, help_heading = "Image")]
+    pub filter_width: Option<f32>,
 
     /// The camera, by its name in the scene or its index from 0.
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Camera")]
@@ -80,6 +91,15 @@ pub struct RenderArgs {
     /// Vertical field of view, in degrees [default: the camera's, or 40]
     #[arg(long, value_name = "DEGREES", value_parser = positive_f32, help_heading = "Camera")]
     pub fov: Option<f32>,
+    /// Look along parallel rays; this much of the scene is as high as the image.
+    #[arg(long, value_name = "HEIGHT", value_parser = positive_f32, conflicts_with = "fov", help_heading = "Camera")]
+    pub ortho: Option<f32>,
+    /// Radius of the lens, 0 for a pinhole [default: the camera's, or 0]
+    #[arg(long, value_name = "LENGTH", value_parser = non_negative_f32, help_heading = "Camera")]
+    pub lens_radius: Option<f32>,
+    /// Distance along the view at which things are sharp [default: the camera's, or to the target]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_f32, help_heading = "Camera")]
+    pub focus_distance: Option<f32>,
 
     /// Light from all around by an image of latitude and longitude (.hdr, .exr), in place of the
     /// scene's own.

@@ -3,6 +3,7 @@
 use std::{str::FromStr, time::Duration};
 
 use clap::ValueEnum;
+use midway_render::Aov;
 
 /// `--integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -45,6 +46,16 @@ pub enum MisArg {
     Balance,
     /// The power heuristic, exponent 2.
     Power,
+}
+
+/// `--filter`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FilterArg {
+    /// The plain mean, 1 pixel wide.
+    #[default]
+    Box,
+    /// Smooth, 3 pixels wide.
+    BlackmanHarris,
 }
 
 /// `--progress`.
@@ -147,6 +158,36 @@ impl FromStr for CropArg {
     }
 }
 
+/// `--aov`: layers of the EXR, each once.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AovArg(
+    /// In the order given.
+    pub Vec<Aov>,
+);
+
+impl FromStr for AovArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "none" => return Ok(Self::default()),
+            "all" => return Ok(Self(Aov::ALL.to_vec())),
+            _ => {}
+        }
+        let mut layers = Vec::new();
+        for name in text.split(',').map(str::trim) {
+            let Some(aov) = Aov::ALL.into_iter().find(|aov| aov.name() == name) else {
+                let known = Aov::ALL.map(Aov::name).join(", ");
+                return Err(format!("unknown layer '{name}': use all, none or a list of {known}"));
+            };
+            if !layers.contains(&aov) {
+                layers.push(aov);
+            }
+        }
+        Ok(Self(layers))
+    }
+}
+
 /// A point or a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3Arg(
@@ -219,6 +260,14 @@ pub fn positive_f32(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A finite number of at least zero.
+pub fn non_negative_f32(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("it must be a number of at least 0".to_owned()),
+    }
+}
+
 /// An exposure that does not leave the range of f32.
 pub fn stops(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
@@ -260,5 +309,15 @@ mod tests {
             assert!(text.parse::<LightPathsArg>().is_err(), "{text}");
         }
         assert!("table".parse::<RngArg>().is_err());
+    }
+
+    #[test]
+    fn lists_of_layers() {
+        assert_eq!("none".parse(), Ok(AovArg(vec![])));
+        assert_eq!("all".parse(), Ok(AovArg(Aov::ALL.to_vec())));
+        assert_eq!("depth, albedo,depth".parse(), Ok(AovArg(vec![Aov::Depth, Aov::Albedo])));
+        for text in ["", "depth,", "all,depth", "Depth"] {
+            assert!(text.parse::<AovArg>().is_err(), "{text}");
+        }
     }
 }

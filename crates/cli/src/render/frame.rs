@@ -43,7 +43,15 @@ impl Frame {
             }
             camera.projection = Projection::Perspective { yfov: degrees.to_radians() };
         }
-        let [width, height] = size(args, camera.aspect.unwrap_or(1.0));
+        if let Some(height) = args.ortho {
+            camera.projection = Projection::Orthographic { height };
+        }
+        camera.lens_radius = args.lens_radius.unwrap_or(camera.lens_radius);
+        if args.focus_distance.is_some() && camera.lens_radius == 0.0 {
+            return Err(Failure::usage("--focus-distance works with a lens only: add --lens-radius"));
+        }
+        camera.focus_distance = args.focus_distance.unwrap_or(camera.focus_distance);
+        let [width, height] = size(args, &camera);
         if let Some(crop) = args.crop {
             let reaches =
                 |from: u32, length: u32, end: u32| u64::from(from) + u64::from(length) > u64::from(end);
@@ -75,7 +83,9 @@ fn camera(args: &RenderArgs, scene: &Scene) -> Outcome<Camera> {
         let up = args.up.unwrap_or(Vec3Arg([0.0, 1.0, 0.0]));
         let fov = DEFAULT_FOV_DEGREES.to_radians();
         let [eye, target, up] = [eye, target, up].map(|Vec3Arg(v)| Vec3::from_array(v));
-        return Camera::look_at(eye, target, up, fov).map_err(|e| Failure::usage(format!("--eye: {e}")));
+        let camera =
+            Camera::look_at(eye, target, up, fov).map_err(|e| Failure::usage(format!("--eye: {e}")))?;
+        return Ok(Camera { focus_distance: eye.distance(target), ..camera });
     }
     if let Some(wanted) = &args.camera {
         return named(wanted, &scene.cameras).cloned();
@@ -94,15 +104,15 @@ fn named<'a>(wanted: &str, cameras: &'a [Camera]) -> Outcome<&'a Camera> {
     })
 }
 
-fn size(args: &RenderArgs, aspect: f32) -> [u32; 2] {
+fn size(args: &RenderArgs, camera: &Camera) -> [u32; 2] {
     let side = |pixels: f32| pixels.round().clamp(1.0, MAX_SIDE) as u32;
+    let of_film = |[width, height]: [u32; 2]| width as f32 / height as f32;
+    let aspect = camera.resolution.map(of_film).or(camera.aspect).unwrap_or(1.0);
     match (args.width, args.height) {
         (Some(width), Some(height)) => [width, height],
         (Some(width), None) => [width, side(width as f32 / aspect)],
-        (None, height) => {
-            let height = height.unwrap_or(DEFAULT_HEIGHT);
-            [side(height as f32 * aspect), height]
-        }
+        (None, Some(height)) => [side(height as f32 * aspect), height],
+        (None, None) => camera.resolution.unwrap_or([side(DEFAULT_HEIGHT as f32 * aspect), DEFAULT_HEIGHT]),
     }
 }
 
@@ -113,15 +123,20 @@ mod tests {
     use super::*;
     use crate::args::{Cli, Command};
 
-    fn resolve(flags: &[&str], cameras: &[(&str, Option<f32>)]) -> Outcome<Frame> {
+    fn args(flags: &[&str]) -> RenderArgs {
         let line = ["midway", "render", "s.gltf"].iter().chain(flags);
         let Command::Render(args) = Cli::try_parse_from(line).unwrap().command else { unreachable!() };
+        *args
+    }
+
+    fn resolve(flags: &[&str], cameras: &[(&str, Option<f32>)]) -> Outcome<Frame> {
         let camera = |(name, aspect): &(&str, Option<f32>)| Camera {
             name: (*name).to_owned(),
             aspect: *aspect,
             ..Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0).unwrap()
         };
-        Frame::resolve(&args, &Scene { cameras: cameras.iter().map(camera).collect(), ..Scene::default() })
+        let scene = Scene { cameras: cameras.iter().map(camera).collect(), ..Scene::default() };
+        Frame::resolve(&args(flags), &scene)
     }
 
     #[test]
@@ -133,6 +148,36 @@ mod tests {
         assert_eq!(size(&["--height", "100"]), [200, 100]);
         assert_eq!(size(&["--width", "3", "--height", "5"]), [3, 5]);
         assert_eq!(resolve(&[], &[("main", None)]).unwrap().image_size(), [512, 512]);
+    }
+
+    #[test]
+    fn a_cameras_own_resolution_is_the_default() {
+        let scene = || {
+            let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0).unwrap();
+            let camera = Camera { aspect: Some(1.0), resolution: Some([640, 160]), ..camera };
+            Scene { cameras: vec![camera], ..Scene::default() }
+        };
+        let size = |flags: &[&str]| {
+            let frame = Frame::resolve(&args(flags), &scene()).unwrap();
+            [frame.width, frame.height]
+        };
+        assert_eq!(size(&[]), [640, 160]);
+        assert_eq!(size(&["--width", "100"]), [100, 25]);
+        assert_eq!(size(&["--height", "100"]), [400, 100]);
+        assert_eq!(size(&["--width", "3", "--height", "5"]), [3, 5]);
+    }
+
+    #[test]
+    fn flags_change_projection_and_lens() {
+        let one = [("m", None)];
+        let camera = |flags: &[&str]| resolve(flags, &one).unwrap().camera;
+        assert_eq!(camera(&["--ortho", "3"]).projection, Projection::Orthographic { height: 3.0 });
+        let lens = camera(&["--lens-radius", "0.1", "--focus-distance", "4"]);
+        assert_eq!((lens.lens_radius, lens.focus_distance), (0.1, 4.0));
+        let placed = camera(&["--eye", "0,0,5", "--target", "0,0,2", "--lens-radius", "0.1"]);
+        assert_eq!(placed.focus_distance, 3.0);
+        assert!(resolve(&["--focus-distance", "4"], &one).is_err());
+        assert!(resolve(&["--focus-distance", "4", "--lens-radius", "0"], &one).is_err());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use midway_device::DeviceInfo;
 use midway_film::Metadata;
-use midway_scene::Scene;
+use midway_scene::{Projection, Scene};
 
 use super::{frame::Frame, job::RenderJob, schedule::State};
 use crate::args::RenderArgs;
@@ -32,8 +32,13 @@ pub fn of_request(args: &RenderArgs, scene: &Scene, frame: &Frame, device: &Devi
     header.set("camera", frame.camera.name.as_str());
     // glam stores columns; files store rows.
     header.set("world_from_camera", frame.camera.world_from_camera.transpose().to_cols_array_2d());
-    if let Some(yfov) = frame.camera.yfov() {
-        header.set("yfov_degrees", f64::from(yfov.to_degrees()));
+    match frame.camera.projection {
+        Projection::Perspective { yfov } => header.set("yfov_degrees", f64::from(yfov.to_degrees())),
+        Projection::Orthographic { height } => header.set("orthographic_height", f64::from(height)),
+    }
+    if frame.camera.lens_radius > 0.0 {
+        header.set("lens_radius", f64::from(frame.camera.lens_radius));
+        header.set("focus_distance", f64::from(frame.camera.focus_distance));
     }
     header
 }
@@ -42,6 +47,7 @@ pub fn of_request(args: &RenderArgs, scene: &Scene, frame: &Frame, device: &Devi
 pub fn of_state(request: &Metadata, job: &RenderJob, state: &State) -> Metadata {
     let mut header = request.clone();
     header.set("integrator", job.integrator());
+    header.set("filter", job.filter());
     header.set("bias", bias(&job.bias()));
     header.set("samples", i64::try_from(state.samples).unwrap_or(i64::MAX));
     header.set("seconds", state.seconds());

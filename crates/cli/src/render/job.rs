@@ -3,16 +3,16 @@
 use std::sync::Arc;
 
 use midway_device::{Device, MemoryPlan};
-use midway_film::Image;
+use midway_film::{Channel, Image};
 use midway_render::{
-    Crop, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, RenderError, RenderSettings,
-    RenderStats, Renderer,
+    Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, PixelFilter,
+    RenderError, RenderSettings, RenderStats, Renderer,
 };
 use midway_scene::Scene;
 
 use super::{frame::Frame, schedule::Job};
 use crate::{
-    args::{IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, RenderArgs, RngArg},
+    args::{FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, RenderArgs, RngArg},
     status::{Failure, Outcome, Status},
 };
 
@@ -46,6 +46,19 @@ impl RenderJob {
     /// Every bias that was asked for.
     pub fn bias(&self) -> Vec<String> {
         self.renderer.settings().bias()
+    }
+
+    /// The pixel filter, for headers.
+    pub fn filter(&self) -> String {
+        self.renderer.settings().filter.describe()
+    }
+
+    /// The channels of the layers that were asked for.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn channels(&self) -> Outcome<Vec<Channel>> {
+        self.renderer.channels().map_err(failure)
     }
 
     /// The buffers that it took.
@@ -83,7 +96,7 @@ impl Job for RenderJob {
 fn failure(error: RenderError) -> Failure {
     let status = match error {
         RenderError::Settings(_) | RenderError::PathTooLong { .. } => Status::Usage,
-        RenderError::Scene(_) | RenderError::Accel(_) => Status::Input,
+        RenderError::Scene(_) | RenderError::Accel(_) | RenderError::TooManyTexels => Status::Input,
         RenderError::Device(_) => Status::Device,
     };
     Failure::new(status, error)
@@ -96,6 +109,8 @@ pub fn settings(args: &RenderArgs, frame: &Frame) -> RenderSettings {
         height: frame.height,
         crop: frame.crop.map(|crop| Crop { x: crop.x, y: crop.y, width: crop.width, height: crop.height }),
         seed: args.seed,
+        filter: filter(args),
+        aovs: args.aov.0.clone(),
         integrator: integrator(args),
         max_path_length: args.max_path_length,
         rng_table: match args.rng {
@@ -105,6 +120,14 @@ pub fn settings(args: &RenderArgs, frame: &Frame) -> RenderSettings {
         clamp: args.clamp,
         ..RenderSettings::default()
     }
+}
+
+fn filter(args: &RenderArgs) -> PixelFilter {
+    let usual = PixelFilter::new(match args.filter {
+        FilterArg::Box => FilterKind::Box,
+        FilterArg::BlackmanHarris => FilterKind::BlackmanHarris,
+    });
+    PixelFilter { width: args.filter_width.unwrap_or(usual.width), ..usual }
 }
 
 /// Flags that were not given leave the renderer's defaults.

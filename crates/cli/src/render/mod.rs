@@ -21,7 +21,7 @@ use crate::{
     args::{RenderArgs, ToneMapArg},
     info,
     scene_file::{self, LoadedScene},
-    status::{OrStatus, Outcome, Status},
+    status::{Failure, OrStatus, Outcome, Status},
 };
 
 use self::{
@@ -39,6 +39,9 @@ const DEFAULT_SAMPLES: u64 = 64;
 pub fn run(args: &RenderArgs) -> Outcome<Status> {
     flags::check(args)?;
     let outputs = Outputs::plan(&args.output, &args.scene, display(args))?;
+    if !args.aov.0.is_empty() && !outputs.hold_layers() {
+        return Err(Failure::usage("--aov works with an .exr output only"));
+    }
     args.errors.as_deref().map_or(Ok(()), check_writable)?;
     let interrupt = Interrupt::install()?;
     let reporter = Reporter::new(args.progress, args.quiet);

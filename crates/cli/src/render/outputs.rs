@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use midway_film::{Display, Framing, Image, Metadata, check_writable, write_exr, write_png};
+use midway_film::{Channel, Display, Framing, Image, Metadata, check_writable, write_exr_with, write_png};
 
 use crate::status::{Failure, Outcome, Status};
 
@@ -45,13 +45,25 @@ impl Outputs {
         self.files.iter().map(|(path, _)| path.as_path())
     }
 
-    /// Writes every file; if one fails the others are still written.
+    /// Whether one of the files can hold layers beside the picture.
+    pub fn hold_layers(&self) -> bool {
+        self.files.iter().any(|(_, format)| *format == Format::Exr)
+    }
+
+    /// Writes every file, an EXR with the `channels` beside the image; if one fails the others are
+    /// still written.
     ///
     /// # Errors
     /// [`Status::Output`], naming each file that failed.
-    pub fn write(&self, image: &Image, framing: Option<Framing>, metadata: &Metadata) -> Outcome {
+    pub fn write(
+        &self,
+        image: &Image,
+        channels: &[Channel],
+        framing: Option<Framing>,
+        metadata: &Metadata,
+    ) -> Outcome {
         let write = |(path, format): &(PathBuf, Format)| match format {
-            Format::Exr => write_exr(path, image, framing, metadata),
+            Format::Exr => write_exr_with(path, image, channels, framing, metadata),
             Format::Png => write_png(path, image, self.display, metadata),
         };
         let errors: Vec<String> =
@@ -129,7 +141,7 @@ mod tests {
         let outputs = Outputs::plan(&given, "s".as_ref(), Display::default()).unwrap();
         std::fs::remove_dir(&gone).unwrap();
         let image = Image::filled(2, 2, [0.5; 3]);
-        let failure = outputs.write(&image, None, &Metadata::new()).unwrap_err();
+        let failure = outputs.write(&image, &[], None, &Metadata::new()).unwrap_err();
         assert_eq!(failure.status, Status::Output);
         assert!(failure.to_line().contains("a.exr"));
         assert!(given[1].exists());

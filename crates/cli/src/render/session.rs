@@ -85,11 +85,17 @@ impl Session {
         // After the last pass the image is written anyway.
         if self.snapshots.is_due() && state.fraction() < 1.0 {
             let header = header::of_state(&self.header, job, state);
-            if let Err(failure) = self.outputs.write(&job.image()?, self.framing, &header) {
+            let image = job.image()?;
+            if let Err(failure) = self.write(job, &image, &header) {
                 self.reporter.warning(&format!("snapshot: {}", failure.to_line()));
             }
         }
         Ok(())
+    }
+
+    /// Writes an image of the job with the layers that go with it.
+    fn write(&self, job: &RenderJob, image: &Image, header: &Metadata) -> Outcome {
+        self.outputs.write(image, &job.channels()?, self.framing, header)
     }
 
     fn conclude(&mut self, job: &mut RenderJob, reason: StoppedBy, state: &State) -> Outcome<Status> {
@@ -100,7 +106,7 @@ impl Session {
         let image = job.image()?;
         let mut header = header::of_state(&self.header, job, state);
         header.set("stopped_by", reason.name());
-        self.outputs.write(&image, self.framing, &header)?;
+        self.write(job, &image, &header)?;
         if let Some(meter) = self.meter.as_mut().filter(|meter| !meter.is_measured(state.samples)) {
             meter.measure(&image, state)?;
         }
@@ -154,7 +160,7 @@ impl Session {
         let Ok(image) = job.image() else { return };
         let mut header = header::of_state(&self.header, job, state);
         header.set("stopped_by", "failure");
-        if self.outputs.write(&image, self.framing, &header).is_ok() {
+        if self.write(job, &image, &header).is_ok() {
             self.reporter
                 .note(&format!("written: the image of the {} samples before the failure", state.samples));
         }

@@ -121,21 +121,49 @@ fn time_stops_too_and_is_named() {
 #[test]
 fn a_crop_is_that_part_of_the_image() {
     let sandbox = scene();
-    render(&sandbox, &["--spp", "256", "-o", "whole.exr"]);
-    render(&sandbox, &["--spp", "256", "-o", "part.exr", "--crop", "5,3,10,7"]);
+    render(&sandbox, &["--spp", "8", "-o", "whole.exr"]);
+    render(&sandbox, &["--spp", "8", "-o", "part.exr", "--crop", "5,3,10,7"]);
     let part = read(&sandbox, "part.exr");
     assert_eq!(part.framing, Some(Framing { frame: [24, 16], offset: [5, 3] }));
-    let (whole, part) = (read(&sandbox, "whole.exr").image().unwrap(), part.image().unwrap());
-    assert_eq!(part.size(), [10, 7]);
-    // Other samples of the same pixels. An edge of the light crosses the crop along x and another
-    // bounds it along y: a shift by one pixel is larger than this tolerance.
-    let row_mean = |image: &Image, x: usize, y: usize| {
-        image.pixels[y * image.width + x..][..10].iter().map(|pixel| pixel[0]).sum::<f32>() / 10.0
+    let whole = read(&sandbox, "whole.exr").image().unwrap();
+    let cut = Image::from_fn(10, 7, |x, y| whole.pixels[(y + 3) * 24 + x + 5]);
+    assert!(part.image().unwrap() == cut, "the crop's samples are not the whole's");
+}
+
+#[test]
+fn layers_are_beside_the_picture_and_compare_reads_the_picture() {
+    let sandbox = scene();
+    render(&sandbox, &["--spp", "4", "-o", "plain.exr"]);
+    render(&sandbox, &["--spp", "4", "-o", "layers.exr", "--aov", "all"]);
+    render(&sandbox, &["--spp", "4", "-o", "two.exr", "--aov", "depth,samples"]);
+    let names = |file: &str| -> Vec<String> {
+        read(&sandbox, file).channels.into_iter().map(|channel| channel.name).collect()
     };
-    for row in 0..7 {
-        let (ours, theirs) = (row_mean(&part, 0, row), row_mean(&whole, 5, row + 3));
-        assert!((ours - theirs).abs() <= 0.02 + 0.05 * theirs, "row {row}: {ours} and {theirs}");
-    }
+    assert_eq!(names("plain.exr"), ["B", "G", "R"]);
+    assert_eq!(names("two.exr"), ["B", "G", "R", "depth.Z", "samples.Y"]);
+    assert_eq!(names("layers.exr").len(), 3 + 14);
+    let layers = read(&sandbox, "layers.exr");
+    assert_eq!(layers.channel("samples.Y"), Some(&[4.0; 24 * 16][..]));
+    assert!(layers.layer("albedo").is_some() && layers.layer("variance").is_some());
+    let same = sandbox.expect(0, &["compare", "layers.exr", "plain.exr", "--json"]).json_lines().remove(0);
+    assert_eq!(same["rmse"], 0.0);
+    let refused = [&SMALL[..], &["--aov", "depth", "-o", "a.png", "-o", "b.png"]].concat();
+    assert!(sandbox.expect(2, &refused).error().contains("--aov"));
+    sandbox.expect(2, &[&SMALL[..], &["--aov", "deep"]].concat());
+}
+
+#[test]
+fn camera_and_filter_are_in_the_header() {
+    let sandbox = scene();
+    let camera = ["--eye", "0,0,4", "--target", "0,0,0", "--lens-radius", "0.1", "--ortho", "3"];
+    render(&sandbox, &[&["--spp", "1", "--filter", "blackman-harris"], &camera[..]].concat());
+    let header = read(&sandbox, "scene.exr").metadata;
+    assert_eq!(header.text("filter"), Some("blackman-harris width=3"));
+    assert_eq!(header.float("orthographic_height"), Some(3.0));
+    assert_eq!((header.float("yfov_degrees"), header.float("focus_distance")), (None, Some(4.0)));
+    assert_eq!(header.float("lens_radius"), Some(f64::from(0.1_f32)));
+    let wide = [&SMALL[..], &["--filter-width", "17"]].concat();
+    assert!(sandbox.expect(2, &wide).error().contains("filter"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! OpenEXR files: write one layer of 32-bit RGB, read anything flat.
+//! OpenEXR files: write 32-bit RGB with any layers beside it, read anything flat.
 
 mod read;
 #[cfg(test)]
@@ -6,7 +6,7 @@ mod tests;
 mod write;
 
 pub use read::{Channel, ExrFile};
-pub use write::write_exr;
+pub use write::{write_exr, write_exr_with};
 
 /// Before the name of every header attribute that is a [`crate::Metadata`] entry.
 const ATTRIBUTE_PREFIX: &str = "midway:";

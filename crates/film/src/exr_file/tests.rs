@@ -68,6 +68,38 @@ fn a_crop_keeps_its_place() {
     assert_eq!((file.width, file.height), (20, 10));
 }
 
+fn channel(name: &str, samples: Vec<f32>) -> Channel {
+    Channel { name: name.to_owned(), samples }
+}
+
+#[test]
+fn layers_are_written_beside_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let image = gradient(6, 4);
+    let layers = ["depth.Z", "albedo.G", "albedo.R", "albedo.B", "samples.Y"];
+    let layers: Vec<Channel> =
+        (0..).zip(layers).map(|(i, name)| channel(name, vec![i as f32 + 0.5; 24])).collect();
+    let framing = Framing { frame: [12, 9], offset: [1, 2] };
+    write_exr_with(&path, &image, &layers, Some(framing), &Metadata::new()).unwrap();
+    let file = ExrFile::read(&path).unwrap();
+    assert_eq!((file.image().unwrap(), file.framing), (image, Some(framing)));
+    assert_eq!(file.layer("albedo"), Some(Image::filled(6, 4, [2.5, 1.5, 3.5])));
+    for layer in &layers {
+        assert_eq!(file.channel(&layer.name), Some(&layer.samples[..]), "{}", layer.name);
+    }
+    assert_eq!(file.channels.len(), 8);
+}
+
+#[test]
+fn a_layer_of_another_size_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let layers = [channel("depth.Z", vec![0.0; 23])];
+    let error = write_exr_with(&path, &gradient(6, 4), &layers, None, &Metadata::new());
+    assert!(matches!(error, Err(FilmError::BadShape { pixels: 23, .. })) && !path.exists());
+}
+
 #[test]
 fn every_truncation_is_an_error() {
     let bytes = written(&gradient(40, 40), None, &Metadata::new());

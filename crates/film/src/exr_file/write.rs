@@ -6,7 +6,10 @@ use std::{
 };
 
 use exr::{
-    image::{Blocks, Encoding, Image as ExrImage, Layer, SpecificChannels, write::WritableImage},
+    image::{
+        AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image as ExrImage, Layer,
+        write::WritableImage,
+    },
     math::Vec2,
     meta::{
         attribute::{AttributeValue, Compression, IntegerBounds, LineOrder, Text},
@@ -14,7 +17,7 @@ use exr::{
     },
 };
 
-use super::{ATTRIBUTE_PREFIX, Framing};
+use super::{ATTRIBUTE_PREFIX, Channel, Framing};
 use crate::{
     FilmError, Image,
     atomic::write_atomically,
@@ -32,13 +35,37 @@ pub fn write_exr(
     framing: Option<Framing>,
     metadata: &Metadata,
 ) -> Result<(), FilmError> {
+    write_exr_with(path, image, &[], framing, metadata)
+}
+
+/// As [`write_exr`], with more channels beside the image's `R`, `G` and `B`, as 32-bit floats; those
+/// of a layer are named `layer.component`. All programs take the image for the picture.
+///
+/// # Errors
+/// As [`write_exr`]; [`FilmError::BadShape`] for a channel that does not have the image's pixels too.
+pub fn write_exr_with(
+    path: &Path,
+    image: &Image,
+    channels: &[Channel],
+    framing: Option<Framing>,
+    metadata: &Metadata,
+) -> Result<(), FilmError> {
     image.check_shape()?;
-    let bytes = encode(image, framing, metadata)
+    if let Some(other) = channels.iter().find(|channel| channel.samples.len() != image.pixels.len()) {
+        let (width, height, pixels) = (image.width, image.height, other.samples.len());
+        return Err(FilmError::BadShape { width, height, pixels });
+    }
+    let bytes = encode(image, channels, framing, metadata)
         .map_err(|error| FilmError::Write { path: path.to_owned(), source: io::Error::other(error) })?;
     write_atomically(path, &bytes)
 }
 
-fn encode(image: &Image, framing: Option<Framing>, metadata: &Metadata) -> exr::error::Result<Vec<u8>> {
+fn encode(
+    image: &Image,
+    channels: &[Channel],
+    framing: Option<Framing>,
+    metadata: &Metadata,
+) -> exr::error::Result<Vec<u8>> {
     let framing = framing.unwrap_or(Framing { frame: image.size(), offset: [0, 0] });
     let mut attributes =
         LayerAttributes { layer_position: signed(framing.offset)?, ..LayerAttributes::default() };
@@ -51,18 +78,24 @@ fn encode(image: &Image, framing: Option<Framing>, metadata: &Metadata) -> exr::
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let width = image.width;
-    let channels = SpecificChannels::rgb(|position: Vec2<usize>| {
-        let [r, g, b] = image.pixels[position.y() * width + position.x()];
-        (r, g, b)
-    });
-    let layer = Layer::new((image.width, image.height), attributes, encoding, channels);
+    let list = all_channels(image, channels);
+    let layer = Layer::new((image.width, image.height), attributes, encoding, list);
     signed(framing.frame)?;
     let frame = IntegerBounds::new((0, 0), (framing.frame[0], framing.frame[1]));
     let file = ExrImage::new(ImageAttributes::new(frame), layer);
     let mut bytes = Vec::new();
     file.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
     Ok(bytes)
+}
+
+/// The image's planes and the others, in the order that EXR demands.
+fn all_channels(image: &Image, channels: &[Channel]) -> AnyChannels<FlatSamples> {
+    let plane = |i: usize| image.pixels.iter().map(|pixel| pixel[i]).collect();
+    let rgb = (0..3).map(|i| AnyChannel::new(["R", "G", "B"][i], FlatSamples::F32(plane(i))));
+    let others = channels
+        .iter()
+        .map(|channel| AnyChannel::new(text(&channel.name), FlatSamples::F32(channel.samples.clone())));
+    AnyChannels::sort(rgb.chain(others).collect())
 }
 
 /// EXR's coordinates are signed 32-bit.

@@ -17,7 +17,7 @@ fn film_add_channel(word: u32, value: f32) {
     }
 }
 
-/// Adds radiance to a pixel's sum. What is not a finite, non-negative number is counted instead.
+/// Adds radiance to the sum of a pixel of the window, given by its number in the full film. What is not a finite, non-negative number is counted instead.
 fn film_add(pixel: u32, contribution: vec3<f32>) {
     let largest = max3(contribution);
     let smallest = min(contribution.x, min(contribution.y, contribution.z));
@@ -27,7 +27,8 @@ fn film_add(pixel: u32, contribution: vec3<f32>) {
         return;
     }
     let scale = select(1.0, params.clamp / largest, largest > params.clamp);
-    film_add_channel(pixel * FILM_STRIDE, contribution.x * scale);
-    film_add_channel(pixel * FILM_STRIDE + 2u, contribution.y * scale);
-    film_add_channel(pixel * FILM_STRIDE + 4u, contribution.z * scale);
+    let word = window_pixel(pixel) * FILM_STRIDE;
+    film_add_channel(word, contribution.x * scale);
+    film_add_channel(word + 2u, contribution.y * scale);
+    film_add_channel(word + 4u, contribution.z * scale);
 }

@@ -4,7 +4,7 @@
 /// Paths are told apart by pixel and sample, or in a pool by their number and the pass.
 fn light_path_index(id: u32) -> u32 {
     let place = params.first_path + id;
-    return select(place % params.n_pixels, place, has_flag(FLAG_POOL));
+    return select(film_pixel(place % params.n_pixels), place, has_flag(FLAG_POOL));
 }
 
 fn light_path_sample(id: u32) -> u32 {

@@ -33,6 +33,11 @@ struct Params {
     crop_y: u32,
     crop_width: u32,
     n_pixels: u32,
+    /// Pixels along x of the full film.
+    film_width: u32,
+    /// The pixel filter: FILTER_*, and its full width in pixels.
+    filter_kind: u32,
+    filter_width: f32,
     /// Paths of this batch, and the place of its first one in the pass.
     n_paths: u32,
     first_path: u32,
@@ -79,6 +84,8 @@ struct Params {
     append_capacity: u32,
     /// 1 where appended vertices last until the next bounce only.
     append_transient: u32,
+    /// Samples of a pixel in the pass that measure_variance looks at.
+    pass_samples: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -93,6 +100,23 @@ fn invocation_index(id: vec3<u32>) -> u32 {
 
 fn has_flag(flag: u32) -> bool {
     return (params.flags & flag) != 0u;
+}
+
+/// The number in the full film of a pixel of the window. Random numbers are drawn by it, so that a
+/// crop shows the samples of the whole.
+fn film_pixel(in_window: u32) -> u32 {
+    let row = in_window / params.crop_width; // > 0: an empty film is refused
+    return (params.crop_y + row) * params.film_width + params.crop_x + in_window % params.crop_width;
+}
+
+/// The pixel of the window by its number in the full film; it lies in the window.
+fn window_pixel(in_film: u32) -> u32 {
+    let row = in_film / params.film_width; // > 0
+    return (row - params.crop_y) * params.crop_width + in_film % params.film_width - params.crop_x;
+}
+
+fn pixel_filter() -> PixelFilter {
+    return PixelFilter(params.filter_kind, params.filter_width);
 }
 
 fn mis_config() -> MisConfig {

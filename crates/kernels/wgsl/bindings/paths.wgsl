@@ -4,15 +4,15 @@
 /// vec4 per path.
 const PATH_STRIDE: u32 = 5u;
 
-/// Bits of the word of counts: 15 for the depth, one for from_infinity, 16 for the joins made.
+/// Bits of the word of counts: 15 for the depth, one for parallel, 16 for the joins made.
 const DEPTH_MASK: u32 = 0x7fffu;
-const FROM_INFINITY_BIT: u32 = 0x8000u;
+const PARALLEL_BIT: u32 = 0x8000u;
 
 @group(0) @binding(4) var<storage, read_write> paths: array<vec4<f32>>;
 
 struct Path {
     origin: vec3<f32>,
-    /// Pixel in the window, or the light path's index.
+    /// Pixel in the full film, or the light path's index.
     index: u32,
     direction: vec3<f32>,
     /// Surface vertices so far.
@@ -20,8 +20,9 @@ struct Path {
     /// Light vertices that the vertex just hit is already joined with, where a bounce has more than
     /// CONNECTIONS_PER_BOUNCE; 0 otherwise.
     joined: u32,
-    /// Whether the ray comes from a light at infinity.
-    from_infinity: bool,
+    /// The first segment of a subpath that starts with parallel rays, at an infinite light or a camera:
+    /// the density of its end has no inverse square in it.
+    parallel: bool,
     throughput: vec3<f32>,
     sample: u32,
     mis: MisState,
@@ -36,14 +37,13 @@ fn load_path(id: u32) -> Path {
     let c = paths[at + 2u];
     let d = paths[at + 3u];
     let counts = bitcast<u32>(b.w);
-    return Path(a.xyz, bitcast<u32>(a.w), b.xyz, counts & DEPTH_MASK, counts >> 16u,
-        (counts & FROM_INFINITY_BIT) != 0u, c.xyz, bitcast<u32>(c.w),
-        MisState(d.x, d.y, d.z), bitcast<u32>(d.w));
+    return Path(a.xyz, bitcast<u32>(a.w), b.xyz, counts & DEPTH_MASK, counts >> 16u, (counts & PARALLEL_BIT) != 0u, c.xyz,
+        bitcast<u32>(c.w), MisState(d.x, d.y, d.z), bitcast<u32>(d.w));
 }
 
 fn store_path(id: u32, path: Path) {
     let at = id * PATH_STRIDE;
-    let counts = path.depth | select(0u, FROM_INFINITY_BIT, path.from_infinity) | (path.joined << 16u);
+    let counts = path.depth | select(0u, PARALLEL_BIT, path.parallel) | (path.joined << 16u);
     paths[at] = vec4<f32>(path.origin, bitcast<f32>(path.index));
     paths[at + 1u] = vec4<f32>(path.direction, bitcast<f32>(counts));
     paths[at + 2u] = vec4<f32>(path.throughput, bitcast<f32>(path.sample));

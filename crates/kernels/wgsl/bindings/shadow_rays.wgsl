@@ -7,7 +7,7 @@ const CONNECTIONS_PER_BOUNCE: u32 = 8u;
 
 @group(0) @binding(7) var<storage, read_write> shadow_rays: array<vec4<f32>>;
 
-/// A contribution to a pixel that counts if nothing lies between two points, which are already
+/// A contribution to a pixel (by its number in the full film) that counts if nothing lies between two points, which are already
 /// offset from their surfaces. Capacity is reserved: CONNECTIONS_PER_BOUNCE + 1 a path and bounce.
 fn push_shadow_ray(pixel: u32, start: vec3<f32>, end: vec3<f32>, contribution: vec3<f32>) {
     let at = atomicAdd(&counters[COUNT_SHADOW], 1u) * SHADOW_STRIDE;

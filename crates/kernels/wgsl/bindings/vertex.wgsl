@@ -21,8 +21,7 @@ fn arrive(path: Path, hit: Hit) -> Vertex {
     let surface = shaded.surface;
     let material = shaded.material;
     let cos_in = max(abs(dot(surface.ng, path.direction)), 1e-12);
-    let distance_squared = select(hit.t * hit.t, 1.0, path.from_infinity); // densities there are per solid angle
-    let state = mis_arrive(config, path.mis, distance_squared, cos_in);
+    let state = mis_arrive(config, path.mis, select(hit.t * hit.t, 1.0, path.parallel), cos_in);
     let medium = medium_before(path.medium, surface, material, -path.direction);
     let q = survival(material);
     return Vertex(surface, material, -path.direction, path.throughput * medium_transmittance(medium, hit.t),
@@ -71,7 +70,7 @@ fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> 
     next.origin = offset_origin(surface.position, normal_towards(surface, scattered.wi));
     next.direction = scattered.wi;
     next.depth = path.depth + 1u;
-    next.from_infinity = false;
+    next.parallel = false;
     next.medium = medium_towards(path.medium, surface, vertex.material, vertex.wo, scattered.wi);
     return next;
 }

@@ -3,6 +3,7 @@
 #include "lib/rng.wgsl"
 #include "lib/sampling.wgsl"
 #include "lib/camera.wgsl"
+#include "lib/pixel_filter.wgsl"
 #include "lib/fresnel.wgsl"
 #include "lib/microfacet.wgsl"
 #include "lib/albedo.wgsl"

@@ -78,9 +78,10 @@ fn camera_previous_factor(config: MisConfig, t: u32, state: MisState, ending: f3
     return join_factor(config, state.ending, ending);
 }
 
-/// A camera subpath that leaves the lens with this density per solid angle.
-fn mis_begin_camera(config: MisConfig, pdf_sa: f32) -> MisState {
-    return MisState(mis_power(config, 1.0 / pdf_sa), 0.0, 1.0);
+/// A camera subpath that leaves the lens with this density per solid angle, or per area across
+/// parallel rays (arrival is then over a distance of 1).
+fn mis_begin_camera(config: MisConfig, pdf: f32) -> MisState {
+    return MisState(mis_power(config, 1.0 / pdf), 0.0, 1.0);
 }
 
 /// A light subpath that leaves y_0: the density of choosing y_0 for next-event estimation and for

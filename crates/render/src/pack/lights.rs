@@ -30,7 +30,8 @@ pub(super) fn pack_lights(
             }
             LightSource::Delta(index) => {
                 let at = (details_at + details.len()) as u32;
-                let (kind, medium) = pack_delta(&world.scene().lights[index as usize].kind, media, &mut details);
+                let (kind, medium) =
+                    pack_delta(&world.scene().lights[index as usize].kind, media, &mut details);
                 (kind, at, medium)
             }
             LightSource::Environment => (k::LIGHT_ENVIRONMENT, 0, k::NONE),

@@ -20,9 +20,7 @@ use self::{
     slots::pack_slots,
     textures::{PackedImages, TextureTable, srgb_table},
 };
-use crate::{
-    RenderError, environment::EnvironmentMap, lights::Lights, medium::MediumFinder, world::World,
-};
+use crate::{RenderError, environment::EnvironmentMap, lights::Lights, medium::MediumFinder, world::World};
 
 /// A vec4 as bits, so that no float move touches an integer.
 type Word4 = [u32; 4];

@@ -44,12 +44,14 @@ pub struct Chain {
     survival: Vec<f64>,
     /// At x_i towards x_{i+1}, per solid angle, with survival.
     pub forward: Vec<f64>,
-    /// At x_i towards x_{i-1}, per solid angle, with survival; at x_k the camera's.
+    /// At x_i towards x_{i-1}, per solid angle, with survival; at x_k the camera's (`parallel`).
     pub reverse: Vec<f64>,
     /// Densities of x_0, per area or as its origin has it: as a light subpath's first vertex, and
     /// drawn for s = 1.
     position_area: f64,
     direct_area: f64,
+    /// The camera's rays are parallel: its density is per area across them.
+    pub parallel: bool,
 }
 
 impl Chain {
@@ -73,6 +75,7 @@ impl Chain {
             reverse,
             position_area,
             direct_area: if config.nee != 0 { random.between(0.1, 3.0) } else { position_area },
+            parallel: random.chance(0.5),
         }
     }
 
@@ -96,14 +99,22 @@ impl Chain {
         self.normals[i].dot((self.positions[j] - self.positions[i]).normalize()).abs()
     }
 
-    /// From a density at x_i per solid angle to one at x_j per area. At infinity directions stay per
-    /// solid angle, and light starts per area at a right angle to them.
+    /// From a density at x_i, per solid angle or of parallel rays per area across them, to one at x_j per
+    /// area. At infinity directions stay per solid angle, and light starts per area at a right angle to
+    /// them.
     fn to_area(&self, i: usize, j: usize) -> f64 {
         match (self.origin.is_infinite(), i, j) {
             (true, _, 0) => 1.0,
             (true, 0, _) => self.cosine(j, i),
-            _ => self.cosine(j, i) / self.distance2(i, j),
+            _ => self.cosine(j, i) / self.spread(i, j),
         }
+    }
+
+    /// What a subpath's density is divided by on the way from x_i to x_j.
+    fn spread(&self, i: usize, j: usize) -> f64 {
+        let from_light = i == 0 && self.origin.is_infinite();
+        let from_camera = i == self.edges() && self.parallel;
+        if from_light || from_camera { 1.0 } else { self.distance2(i, j) }
     }
 
     /// c of strategy (s, t) by design.md section 4; 0 where it is not in use, or can have made this
@@ -162,9 +173,7 @@ impl Chain {
 
     /// As `arrive` in bindings/vertex.wgsl.
     fn arrive(&self, config: MisConfig, state: MisState, from: usize, at: usize) -> MisState {
-        let from_infinity = from == 0 && self.origin.is_infinite();
-        let distance2 = if from_infinity { 1.0 } else { self.distance2(from, at) };
-        lib::mis_arrive(config, state, distance2 as f32, self.cosine(at, from) as f32)
+        lib::mis_arrive(config, state, self.spread(from, at) as f32, self.cosine(at, from) as f32)
     }
 
     /// As `emit` in bindings/lights.wgsl.

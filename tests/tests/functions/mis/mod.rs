@@ -1,4 +1,4 @@
-//! MIS weights: those of one path over all strategies in use sum to 1, and each is what its
+//! MIS weights, by cameras whose rays spread and by parallel ones: those of one path over all strategies in use sum to 1, and each is what its
 //! definition says, for every integrator's set of strategies and both heuristics.
 
 mod chain;
@@ -139,6 +139,18 @@ fn swapped_densities_are_caught() {
             (walk, config)
         });
         assert!(share >= 0.3, "{name}: caught on {share} of the paths only");
+    }
+}
+
+#[test]
+fn parallel_rays_taken_for_others_are_caught() {
+    for name in ["full", "pool of few paths", "single-step with splat"] {
+        let share = share_caught(named(name), |chain| {
+            let mut walk = chain.clone();
+            walk.parallel = !walk.parallel;
+            (walk, named(name))
+        });
+        assert!(share >= 0.2, "{name}: caught on {share} of the paths only");
     }
 }
 
