@@ -31,6 +31,7 @@ pub(crate) fn glass(name: &str) -> Option<f32> {
 }
 
 /// Symbol, η, k.
+#[expect(clippy::approx_constant, reason = "beryllium's k is near π by chance")]
 const METALS: [(&str, Vec3, Vec3); 26] = [
     // P. B. Johnson, R. W. Christy, Phys. Rev. B 6, 4370 (1972).
     ("Ag", vec3(0.056, 0.055, 0.043), vec3(4.354, 3.535, 2.567)),
@@ -48,7 +49,7 @@ const METALS: [(&str, Vec3, Vec3); 26] = [
     // A. D. Rakić, Appl. Opt. 34, 4755 (1995).
     ("Al", vec3(1.473, 0.986, 0.598), vec3(7.637, 6.556, 5.346)),
     // A. D. Rakić et al., Appl. Opt. 37, 5271 (1998), Lorentz-Drude.
-    ("Be", vec3(3.454, 3.339, 3.056), vec3(3.177, 3.152, 3.140)),
+    ("Be", vec3(3.454, 3.339, 3.056), vec3(3.177, 3.152, 3.141)),
     ("Pt", vec3(2.335, 2.075, 1.828), vec3(4.211, 3.668, 3.087)),
     ("W", vec3(3.686, 3.443, 3.354), vec3(2.937, 2.734, 2.509)),
     // M. R. Querry, Optical constants, CRDC-CR-85034 (1985): Cu70Zn30.
