@@ -5,9 +5,8 @@
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
-#include "bindings/material.wgsl"
 #include "bindings/geometry.wgsl"
-#include "bindings/opacity.wgsl"
+#include "bindings/shaded.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/dispatch_args.wgsl"
 #include "bindings/camera_sample.wgsl"
@@ -28,11 +27,12 @@ fn trace_aov(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (hit.triangle == NONE) {
         return;
     }
-    let surface = load_surface(hit.triangle, hit.u, hit.v);
+    let point = load_raw_point(hit.triangle, hit.u, hit.v);
+    let surface = point.surface;
     let normal = select(-surface.ns, surface.ns, dot(surface.ng, ray.direction) < 0.0);
     let depth = dot(surface.position - params.camera.origin, params.camera.forward);
     let at = pixel * AOV_STRIDE;
-    aov_sums[at] += vec4<f32>(surface_albedo(load_raw_material(surface.material)), 1.0);
+    aov_sums[at] += vec4<f32>(surface_albedo(point.raw), 1.0);
     aov_sums[at + 1u] += vec4<f32>(normal, depth);
     aov_sums[at + 2u] += vec4<f32>(surface.position, 0.0);
 }

@@ -13,8 +13,14 @@ struct Shaded {
     material: Material,
 }
 
+/// A point's record, with what varies over the surface.
+struct RawPoint {
+    surface: Surface,
+    raw: RawMaterial,
+}
+
 /// The point at barycentric coordinates u and v of a triangle's second and third vertex.
-fn load_shaded(id: u32, u: f32, v: f32) -> Shaded {
+fn load_raw_point(id: u32, u: f32, v: f32) -> RawPoint {
     var surface = load_surface(id, u, v);
     var raw = load_raw_material(surface.material);
     raw.color *= surface.color.xyz;
@@ -24,7 +30,13 @@ fn load_shaded(id: u32, u: f32, v: f32) -> Shaded {
     if ((raw.flags & MATERIAL_NORMAL_MAP) != 0u) {
         surface = bend_normal(surface);
     }
-    return Shaded(surface, finish_material(raw, load_albedos(raw)));
+    return RawPoint(surface, raw);
+}
+
+/// The same with all that scattering needs.
+fn load_shaded(id: u32, u: f32, v: f32) -> Shaded {
+    let point = load_raw_point(id, u, v);
+    return Shaded(point.surface, finish_material(point.raw, load_albedos(point.raw)));
 }
 
 /// A record's values times its textures, in the ranges that the values have.

@@ -18,7 +18,7 @@ use self::{
     lights::pack_lights,
     materials::{albedo_tables, pack_material},
     slots::pack_slots,
-    textures::{PackedImages, TextureTable, srgb_table},
+    textures::{PackedImages, TextureTable, mean_color, srgb_table},
 };
 use crate::{RenderError, environment::EnvironmentMap, lights::Lights, medium::MediumFinder, world::World};
 
@@ -79,8 +79,9 @@ impl PackedScene {
         let two_level = world.build(&positions)?;
         let sphere = scene.bounds().sphere();
         let environment = EnvironmentMap::of(scene)?;
+        let emissions: Vec<Vec3> = scene.materials.iter().map(|m| mean_color(scene, &m.emission)).collect();
         let lights = Lights::collect(scene, world.emissive(), sphere, environment.as_ref(), |triangle| {
-            scene.materials[triangle.material as usize].emission.value
+            emissions[triangle.material as usize]
         });
         let media = MediumFinder { two_level: &two_level, positions: &positions, world: &world };
         let images = PackedImages::new(&scene.images)?;

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use glam::Mat3;
+use glam::{DVec3, Mat3, Vec3};
 use midway_device::{Buffer, Device};
 use midway_kernels::constants as k;
-use midway_scene::{Filter, Image, Texels, Texture, Wrap, srgb_to_linear};
+use midway_scene::{ColorInput, Filter, Image, Scene, Texels, Texture, Wrap, srgb_to_linear};
 
 use super::Word4;
 use crate::RenderError;
@@ -149,6 +149,16 @@ fn record(images: &PackedImages, texture: &Texture) -> [Word4; k::TEXTURE_STRIDE
         [r[0], r[1], r[2], 0]
     };
     [[images.places[texture.image as usize], image.width, image.height, bits], row(0), row(1)]
+}
+
+/// A colour's mean over its image, by which textured lights are weighed: positive where any texel is.
+pub fn mean_color(scene: &Scene, input: &ColorInput) -> Vec3 {
+    let Some(texture) = &input.texture else { return input.value };
+    let texels = &scene.images[texture.image as usize].texels;
+    let sum = (0..texels.len()).map(|i| texels.linear(i)).fold(DVec3::ZERO, |sum, [r, g, b, _]| {
+        sum + DVec3::new(r.into(), g.into(), b.into()).max(DVec3::ZERO)
+    });
+    input.value * (sum / texels.len() as f64).as_vec3()
 }
 
 /// The sRGB curve for each byte.
