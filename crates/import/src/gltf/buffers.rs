@@ -66,25 +66,23 @@ impl<'a> Buffers<'a> {
 
     /// The view that an index refers to.
     pub fn view(&self, index: &Json) -> Result<View<'_>, ImportError> {
-        let (buffer, range, stride) = self.range(index)?;
-        Ok(View { bytes: &buffer[range], stride })
+        let (buffer, range) = self.range(index)?;
+        let stride = self.views[index.index("buffer view", self.views.len())?].get("byteStride");
+        let stride = stride.map(|stride| stride.unsigned()).transpose()?;
+        Ok(View { bytes: &buffer[range], stride: stride.map(|stride| stride as usize) })
     }
 
     /// The bytes of the view that an index refers to, shared.
     pub fn shared(&self, index: &Json) -> Result<Bytes, ImportError> {
-        let (buffer, range, _) = self.range(index)?;
+        let (buffer, range) = self.range(index)?;
         Ok(Bytes { buffer: buffer.clone(), start: range.start, end: range.end })
     }
 
-    fn range(&self, index: &Json) -> Result<(&Arc<[u8]>, Range<usize>, Option<usize>), ImportError> {
+    fn range(&self, index: &Json) -> Result<(&Arc<[u8]>, Range<usize>), ImportError> {
         let i = index.index("buffer view", self.views.len())?;
         let view = &self.views[i];
-        let stride = match view.get("byteStride") {
-            Some(stride) => Some(stride.unsigned()? as usize),
-            None => None,
-        };
         if let Some(decompressed) = &self.decompressed[i] {
-            return Ok((decompressed, 0..decompressed.len(), stride));
+            return Ok((decompressed, 0..decompressed.len()));
         }
         let buffer = view.required("buffer")?;
         let buffer = self.buffers[buffer.index("buffer", self.buffers.len())?]
@@ -98,7 +96,7 @@ impl<'a> Buffers<'a> {
             needed: offset.saturating_add(length),
             available: buffer.len() as u64,
         };
-        Ok((buffer, range(buffer.len(), offset, length).ok_or_else(truncated)?, stride))
+        Ok((buffer, range(buffer.len(), offset, length).ok_or_else(truncated)?))
     }
 }
 
