@@ -6,12 +6,15 @@ use midway_film::{ExrFile, Image};
 use midway_scene::Scene;
 
 use crate::{
-    estimate::{Expected, FAMILY_LEVEL},
+    estimate::{Blocks, Expected, FAMILY_LEVEL},
     statistics::{Estimate, sidak},
 };
 
 /// Independent images behind a reference's standard errors, less one.
 const DEGREES: f64 = 15.0;
+
+/// Rounding to a half float, uniform within 2^-11 of a number: its standard deviation.
+const HALF_ROUNDING: f64 = 2.8e-4;
 
 /// A scene and what Mitsuba makes of it.
 pub struct Case {
@@ -51,6 +54,19 @@ impl Case {
         let standard_error = file.layer("se");
         assert!(standard_error.is_some(), "{name} has no standard errors");
         Self { name: name.to_owned(), scene, expected: Expected { mean, standard_error } }
+    }
+
+    /// The reference by blocks. Half floats round all pixels of an even area alike, so that no mean over
+    /// them is better known than one of them.
+    pub fn blocks(&self) -> Blocks {
+        let in_use = vec![true; self.expected.mean.pixels.len()];
+        let mut blocks = Blocks::of_expected(&self.expected, &in_use);
+        let known = blocks.blocks.iter_mut().flatten().chain([&mut blocks.whole]);
+        known.for_each(|estimate| {
+            let rounding = HALF_ROUNDING * estimate.mean;
+            *estimate = Estimate::known(estimate.mean, estimate.standard_error.hypot(rounding));
+        });
+        blocks
     }
 
     /// Width and height that the scene asks for, which are those of its reference.

@@ -36,8 +36,10 @@ fn add_all(device: &dyn midway_device::Device, additions: &[Addition], clamp: f3
         })
         .collect();
     let film = vec![0u32; (N_PIXELS * k::FILM_STRIDE) as usize];
-    let inputs: [(&str, &[u8]); 6] = [
+    let inputs: [(&str, &[u8]); 8] = [
         ("params", bytes_of(&params)),
+        ("scene", &[0; 16]),
+        ("texels", &[0; 16]),
         ("nodes", cast_slice(&nodes)),
         ("triangles", &[0; 48]),
         ("counters", bytes_of(&counters)),

@@ -70,8 +70,12 @@ fn add_textures(plain: RawMaterial, surface: Surface) -> RawMaterial {
 fn bend_normal(plain: Surface) -> Surface {
     let texel = slot_rgba(plain.material, SLOT_NORMAL, plain.uv0, plain.uv1).xyz * 2.0 - vec3<f32>(1.0);
     let scale = load_slot_numbers(plain.material).x;
+    // The map's axes are those of the image: where it lies mirrored on the surface, they are too.
+    let map = load_texture(load_slot(plain.material, SLOT_NORMAL) >> 2u);
+    let right = scale * select(1.0, -1.0, map.row_u.x < 0.0);
+    let up = scale * select(1.0, -1.0, map.row_v.y < 0.0);
     let bitangent = plain.bitangent_sign * cross(plain.ns, plain.tangent);
-    let bent = texel.x * scale * plain.tangent + texel.y * scale * bitangent + texel.z * plain.ns;
+    let bent = texel.x * right * plain.tangent + texel.y * up * bitangent + texel.z * plain.ns;
     let size2 = dot(bent, bent);
     if (size2 < 1e-12) {
         return plain;
