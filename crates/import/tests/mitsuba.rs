@@ -2,7 +2,7 @@
 
 mod common;
 
-use std::{io::Write, time::Instant};
+use std::{f32::consts::FRAC_1_SQRT_2, io::Write, time::Instant};
 
 use common::Folder;
 use flate2::{Compression, write::ZlibEncoder};
@@ -264,8 +264,14 @@ fn camera(sensor: &str) -> Camera {
 fn cameras_see_what_mitsubas_see() {
     for (inner, expected) in [
         ("<float name='fov' value='60'/>", [0.4851, 0.2425, 0.8402]),
-        ("<float name='fov' value='60'/><string name='fov_axis' value='y'/>", [0.7071, 0.3536, 0.6124]),
-        ("<float name='fov' value='60'/><string name='fov_axis' value='smaller'/>", [0.7071, 0.3536, 0.6124]),
+        (
+            "<float name='fov' value='60'/><string name='fov_axis' value='y'/>",
+            [FRAC_1_SQRT_2, 0.3536, 0.6124],
+        ),
+        (
+            "<float name='fov' value='60'/><string name='fov_axis' value='smaller'/>",
+            [FRAC_1_SQRT_2, 0.3536, 0.6124],
+        ),
         ("<float name='fov' value='60'/><string name='fov_axis' value='larger'/>", [0.4851, 0.2425, 0.8402]),
         ("<float name='fov' value='60'/><string name='fov_axis' value='diagonal'/>", [0.4472, 0.2236, 0.866]),
         ("<string name='focal_length' value='50mm'/>", [0.3552, 0.1776, 0.9178]),

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Folder, load_bytes};
-use glam::{DMat3, Mat3, Mat4, Vec2, Vec3, vec2, vec3};
+use glam::{Mat3, Mat4, Vec2, Vec3, vec2, vec3};
 use midway_import::{Import, WarningKind, load};
 use midway_scene::{
     ConductorFresnel, Filter, LightKind, Material, Opacity, Projection, Scene, Sides, SpotFalloff, Surface,
@@ -340,7 +340,7 @@ fn infinite_lights() {
     // z of the light is y of this world, as it is of the environment.
     let up = sky.world_from_environment * Vec3::Y;
     near(up, Vec3::Y);
-    let m = DMat3::from(sky.world_from_environment.as_dmat3());
+    let m = sky.world_from_environment.as_dmat3();
     assert!((m.determinant() - 1.0).abs() <= 1e-6);
 }
 

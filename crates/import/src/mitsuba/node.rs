@@ -139,7 +139,7 @@ impl<'a> Node<'a> {
     }
 
     /// Where the object is in the world.
-    pub fn to_world(&self) -> Result<Mat4, ImportError> {
+    pub fn to_world(self) -> Result<Mat4, ImportError> {
         Ok(self.transform("to_world")?.unwrap_or(Mat4::IDENTITY))
     }
 
