@@ -92,6 +92,14 @@ pub fn all() -> Vec<Case> {
     [path_naive(), path(), light()].into_iter().chain(joins()).collect()
 }
 
+/// Those from one end, `full`, and a third of the other joins, by a scene's name: over many scenes all
+/// of them are met.
+pub fn share(scene: &str) -> Vec<Case> {
+    let turn = scene.bytes().map(usize::from).sum::<usize>() % 3;
+    let others = joins().into_iter().skip(1).enumerate().filter(|(i, _)| i % 3 == turn).map(|(_, case)| case);
+    [path_naive(), path(), light(), full()].into_iter().chain(others).collect()
+}
+
 fn simple(integrator: Integrator, cost: f64) -> Case {
     Case { settings: IntegratorSettings { integrator, ..Default::default() }, cost }
 }

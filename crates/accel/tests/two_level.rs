@@ -7,7 +7,7 @@ use midway_accel::{
     BuildOptions, Bvh, Child, Hit, MESH_OPTIONS, Placement, STACK_SIZE, TwoLevel, build, closest_hit,
 };
 
-use common::{Random, Triangles, inputs, ray, soup};
+use common::{Random, Triangles, inputs, soup};
 
 /// Turned, scaled unevenly, moved, every other one mirrored.
 fn placements(n: usize, n_meshes: u32, reach: f32, seed: u64) -> Vec<Placement> {
@@ -42,6 +42,16 @@ fn flattened(world: &Triangles, meshes: &[Triangles], placements: &[Placement]) 
     all
 }
 
+/// A ray through the inside of a triangle: at edges rounding decides.
+fn inner_ray(triangles: &[[Vec3; 3]], random: &mut Random) -> (Vec3, Vec3) {
+    let pick = (random.unit() * triangles.len() as f32) as usize;
+    let [a, b, c] = triangles[pick.min(triangles.len() - 1)];
+    let (u, v) = (0.05 + 0.4 * random.unit(), 0.05 + 0.4 * random.unit());
+    let target = a + u * (b - a) + v * (c - a);
+    let direction = random.point(2.0);
+    (target - 3.0 * direction, direction)
+}
+
 #[test]
 fn placed_meshes_are_met_as_if_they_were_copied() {
     let meshes = [soup(300, 0.2, 1.0, 1), soup(40, 0.5, 1.0, 2)];
@@ -56,7 +66,7 @@ fn placed_meshes_are_met_as_if_they_were_copied() {
     let mut random = Random(5);
     let (mut n_placed, mut n_hits, mut n_decided_by_rounding) = (0, 0, 0);
     for _ in 0..4000 {
-        let (origin, dir) = ray(&all, &mut random);
+        let (origin, dir) = inner_ray(&all, &mut random);
         let vertices = |mesh: u32, t: u32| meshes[mesh as usize][t as usize];
         let found = two_level.closest_hit(&world, vertices, origin, dir, f32::MAX);
         let expected = closest_hit(&flat, &all, origin, dir, f32::MAX);
@@ -70,7 +80,7 @@ fn placed_meshes_are_met_as_if_they_were_copied() {
         n_decided_by_rounding += usize::from(!same);
     }
     assert!(n_hits > 2000 && n_placed > 1000, "{n_hits} hits, {n_placed} of placed meshes");
-    // A third of the rays aim at edges: rounding decides of a few whether they meet them.
+    // Rounding decides of a few whether they meet an edge.
     assert!(n_decided_by_rounding <= 20, "{n_decided_by_rounding} of 4000 rays differ");
 }
 

@@ -44,6 +44,7 @@ const PROBES: &[(&str, Tolerance)] = &[
     ("probe_sampling", BRANCHES),
     ("probe_bsdf", LOBES),
     ("probe_mis", ROUNDING),
+    ("probe_albedo", ROUNDING),
     ("probe_camera", CAMERA),
     ("probe_light", CELLS),
     ("probe_pixel_filter", FILTER),

@@ -1,0 +1,20 @@
+// Probe: how lib/albedo.wgsl and lib/material.wgsl look curves up, and lib/light.wgsl's sides. In: any
+// numbers.
+
+#include "bindings/probe.wgsl"
+
+@compute @workgroup_size(64)
+fn probe_albedo(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (id.x >= probe_count()) {
+        return;
+    }
+    let a = probe_input(id.x, 0u);
+    let b = probe_input(id.x, 1u);
+    let u = fract(abs(probe_input(id.x, 2u)));
+    let blend = blend_curves(Curve(a, b), Curve(b, a), u.x);
+    probe_output(id.x, 0u, blend.low + blend.high * u.y);
+    probe_output(id.x, 1u, vec4<f32>(alpha_place(a.x), index_place(0.25 + abs(a.y)), mean_alpha(u.zw), 0.0));
+    let raw = RawMaterial(id.x % 6u, id.x % 64u, a.xyz, b.xyz, 1.5, u.xyz, u.w, u.xy, u.z, u.w, u, a.xyz, u.xy);
+    let needs = vec2<f32>(f32(needs_albedos(raw)), f32(needs_dielectric_losses(raw)));
+    probe_output(id.x, 2u, vec4<f32>(needs, f32(emits_towards(b.x, true)), f32(emits_towards(b.x, false))));
+}
