@@ -158,8 +158,9 @@ fn directions_have_their_density() {
 #[test]
 fn another_roughness_or_direction_is_rejected() {
     let mut random = Random::new(94);
-    let lobes_alone = [lib::SURFACE_CONDUCTOR, lib::SURFACE_DIELECTRIC];
-    for model in models::all().iter().filter(|model| lobes_alone.contains(&model.material.kind)) {
+    // Metals: of glass the chances of its lobes would still be those of the first roughness.
+    let metals = models::all().into_iter().filter(|model| model.material.kind == lib::SURFACE_CONDUCTOR);
+    for model in metals {
         let place = random_frame(&mut random, 0.0);
         let wo = seen_at(place, 0.7);
         let mut other = model.material;
