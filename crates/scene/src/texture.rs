@@ -1,6 +1,6 @@
 //! Images, and the places on surfaces where their texels count.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::{Mat3, Vec2, Vec3};
 
@@ -63,8 +63,13 @@ impl Texels {
     }
 }
 
-/// IEC 61966-2-1, for one byte.
+/// IEC 61966-2-1, for one byte: by a table, as images have millions of them.
 pub fn srgb_to_linear(byte: u8) -> f32 {
+    static TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|byte| srgb_curve(byte as u8)));
+    TABLE[usize::from(byte)]
+}
+
+fn srgb_curve(byte: u8) -> f32 {
     let x = f64::from(byte) / 255.0;
     let linear = if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
     linear as f32

@@ -84,15 +84,16 @@ impl PackedScene {
             emissions[triangle.material as usize]
         });
         let media = MediumFinder { two_level: &two_level, positions: &positions, world: &world };
-        let images = PackedImages::new(&scene.images)?;
+        let mut images = PackedImages::default();
         let mut textures = TextureTable::default();
         let mut words = albedo_tables();
         let mut slots = Vec::new();
         for material in &scene.materials {
-            let (record, flags) = pack_slots(material, &images, &mut textures);
+            let (record, flags) = pack_slots(scene, material, &mut images, &mut textures);
             words.extend(pack_material(material, flags));
             slots.extend(record);
         }
+        images.check()?;
         let lights_at = words.len() as u32;
         pack_lights(&lights, &world, &media, &mut words);
         let environment_at = environment.as_ref().map_or(k::NONE, |_| words.len() as u32);

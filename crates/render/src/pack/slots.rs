@@ -3,7 +3,7 @@
 use midway_kernels::constants as k;
 use midway_scene::{
     Channel, ColorInput, ConductorFresnel, Material, MetallicRoughness, Opacity, Roughness, ScalarInput,
-    Surface, Texture,
+    Scene, Surface, Texture,
 };
 
 use super::{
@@ -18,13 +18,19 @@ pub type Slots = [Word4; k::SLOTS_STRIDE as usize];
 /// Collects a material's textures.
 struct Writer<'a> {
     words: [u32; k::N_SLOTS as usize],
-    images: &'a PackedImages,
+    scene: &'a Scene,
+    images: &'a mut PackedImages,
     table: &'a mut TextureTable,
 }
 
 /// The record of a material's textures, and the `MATERIAL_*` flags that say what is in it.
-pub fn pack_slots(material: &Material, images: &PackedImages, table: &mut TextureTable) -> (Slots, u32) {
-    let mut writer = Writer { words: [k::NONE; k::N_SLOTS as usize], images, table };
+pub fn pack_slots(
+    scene: &Scene,
+    material: &Material,
+    images: &mut PackedImages,
+    table: &mut TextureTable,
+) -> (Slots, u32) {
+    let mut writer = Writer { words: [k::NONE; k::N_SLOTS as usize], scene, images, table };
     writer.surface(&material.surface);
     writer.color(k::SLOT_EMISSION, &material.emission);
     let textured = writer.words.iter().any(|word| *word != k::NONE);
@@ -63,7 +69,7 @@ impl Writer<'_> {
             Channel::B => 2,
             Channel::A => 3,
         };
-        self.words[slot as usize] = self.table.index(self.images, texture) << 2 | channel;
+        self.words[slot as usize] = self.table.index(self.images, self.scene, texture) << 2 | channel;
     }
 
     fn color(&mut self, slot: u32, input: &ColorInput) {

@@ -13,29 +13,38 @@ use crate::RenderError;
 /// A texel of the store, in bytes.
 const TEXEL_BYTES: u64 = 16;
 
-/// Images with their places in the texel store. Their texels are shared with the scene, and packed
-/// when they are uploaded.
+/// Images that textures refer to, with their places in the texel store. Their texels are shared with
+/// the scene, and packed when they are uploaded.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PackedImages {
-    images: Vec<Image>,
-    /// The first texel of each image.
-    places: Vec<u32>,
+    /// Each with its first texel, one after the other.
+    placed: Vec<(Image, u32)>,
+    /// The place in `placed` of each of the scene's images that has one.
+    indices: HashMap<u32, usize>,
     n_texels: u64,
 }
 
 impl PackedImages {
-    /// Lays out images one after the other.
+    /// One of the scene's images with its place, which it is given where it has none.
+    fn place(&mut self, scene: &Scene, image: u32) -> &(Image, u32) {
+        let next = self.placed.len();
+        let index = *self.indices.entry(image).or_insert(next);
+        if index == next {
+            let own = scene.images[image as usize].clone();
+            // Whether it fits is for `check` to say.
+            let at = self.n_texels as u32;
+            self.n_texels += n_store_texels(&own);
+            self.placed.push((own, at));
+        }
+        &self.placed[index]
+    }
+
+    /// That all texels can be addressed.
     ///
     /// # Errors
-    /// If they are more than 32 bits can address: 64 GiB.
-    pub fn new(images: &[Image]) -> Result<Self, RenderError> {
-        let mut packed = Self { images: images.to_vec(), ..Self::default() };
-        for image in images {
-            let place = u32::try_from(packed.n_texels).map_err(|_| RenderError::TooManyTexels)?;
-            packed.places.push(place);
-            packed.n_texels += n_store_texels(image);
-        }
-        Ok(packed)
+    /// If they are more than 32 bits can: 64 GiB.
+    pub fn check(&self) -> Result<(), RenderError> {
+        if self.n_texels > u64::from(u32::MAX) { Err(RenderError::TooManyTexels) } else { Ok(()) }
     }
 
     /// The store's size, at least one texel.
@@ -45,7 +54,7 @@ impl PackedImages {
 
     /// The whole store, for devices that are handed it at once.
     pub fn to_words(&self) -> Vec<Word4> {
-        let mut words: Vec<Word4> = self.images.iter().flat_map(pack_image).collect();
+        let mut words: Vec<Word4> = self.placed.iter().flat_map(|(image, _)| pack_image(image)).collect();
         words.resize((self.bytes() / TEXEL_BYTES) as usize, Word4::default());
         words
     }
@@ -55,7 +64,7 @@ impl PackedImages {
     /// # Errors
     /// If the device fails.
     pub fn upload(&self, device: &dyn Device, store: &Buffer) -> Result<(), RenderError> {
-        for (image, place) in self.images.iter().zip(&self.places) {
+        for (image, place) in &self.placed {
             let words = pack_image(image);
             device.write_buffer(store, u64::from(*place) * TEXEL_BYTES, bytemuck::cast_slice(&words))?;
         }
@@ -111,9 +120,9 @@ pub struct TextureTable {
 }
 
 impl TextureTable {
-    /// The index of a texture's record.
-    pub fn index(&mut self, images: &PackedImages, texture: &Texture) -> u32 {
-        let record = record(images, texture);
+    /// The index of a texture's record; its image is given a place.
+    pub fn index(&mut self, images: &mut PackedImages, scene: &Scene, texture: &Texture) -> u32 {
+        let record = record(images.place(scene, texture.image), texture);
         let next = self.records.len() as u32;
         let index = *self.indices.entry(record).or_insert(next);
         if index == next {
@@ -128,8 +137,7 @@ impl TextureTable {
     }
 }
 
-fn record(images: &PackedImages, texture: &Texture) -> [Word4; k::TEXTURE_STRIDE as usize] {
-    let image = &images.images[texture.image as usize];
+fn record((image, place): &(Image, u32), texture: &Texture) -> [Word4; k::TEXTURE_STRIDE as usize] {
     let encoding = match image.texels {
         Texels::Srgb8(_) => k::ENCODING_SRGB8,
         Texels::Linear8(_) => k::ENCODING_LINEAR8,
@@ -148,12 +156,14 @@ fn record(images: &PackedImages, texture: &Texture) -> [Word4; k::TEXTURE_STRIDE
         let r = Mat3::row(&texture.image_from_uv, row).to_array().map(f32::to_bits);
         [r[0], r[1], r[2], 0]
     };
-    [[images.places[texture.image as usize], image.width, image.height, bits], row(0), row(1)]
+    [[*place, image.width, image.height, bits], row(0), row(1)]
 }
 
 /// A colour's mean over its image, by which textured lights are weighed: positive where any texel is.
 pub fn mean_color(scene: &Scene, input: &ColorInput) -> Vec3 {
-    let Some(texture) = &input.texture else { return input.value };
+    let Some(texture) = input.texture.as_ref().filter(|_| input.value != Vec3::ZERO) else {
+        return input.value;
+    };
     let texels = &scene.images[texture.image as usize].texels;
     let sum = (0..texels.len()).map(|i| texels.linear(i)).fold(DVec3::ZERO, |sum, [r, g, b, _]| {
         sum + DVec3::new(r.into(), g.into(), b.into()).max(DVec3::ZERO)
