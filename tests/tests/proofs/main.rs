@@ -13,6 +13,7 @@ mod importers;
 mod instances;
 mod joins;
 mod layers;
+mod normal_maps;
 mod references;
 mod repeatability;
 mod same_scene;

@@ -29,6 +29,7 @@ const LENS: &str = "a_lens_half_covered";
 const PARALLEL_RAYS: &str = "facing_squares_by_parallel_rays";
 const FILTERS: &str = "an_edge_has_the_filters_profile";
 const CROPS: &str = "a_crop_has_the_bits_of_the_whole";
+const NORMAL_MAPS: &str = "a_map_lies_the_same";
 
 /// The mutants.
 pub const MUTANTS: &[Mutant] = &[
@@ -221,6 +222,13 @@ pub const MUTANTS: &[Mutant] = &[
         find: "let ray = camera_sample(pixel, sample);",
         replace: "let ray = camera_sample(place % params.n_pixels, sample);",
         caught_by: CROPS,
+    },
+    Mutant {
+        name: "normal-map-upside-down",
+        file: "bindings/shaded.wgsl",
+        find: "map.row_v.y < 0.0",
+        replace: "false",
+        caught_by: NORMAL_MAPS,
     },
 ];
 
