@@ -79,11 +79,27 @@ pub trait Device: Send + Sync {
     /// If the range is outside the buffer or the device is lost.
     fn read_buffer(&self, buffer: &Buffer, offset: u64, bytes: u64) -> Result<Vec<u8>, DeviceError>;
 
-    /// Makes a kernel ready to run. Kernels may be loaded by several threads at once.
+    /// Makes a kernel ready to run, its overrides at their defaults. Kernels may be loaded by several
+    /// threads at once.
     ///
     /// # Errors
-    /// If the kernel exceeds the device's limits or its driver refuses it.
-    fn load_kernel(&self, kernel: &'static Kernel) -> Result<Pipeline, DeviceError>;
+    /// As [`Device::load_specialised`].
+    fn load_kernel(&self, kernel: &'static Kernel) -> Result<Pipeline, DeviceError> {
+        self.load_specialised(kernel, &[])
+    }
+
+    /// The same with values for some of its WGSL `override`s, by name: constants to a GPU's compiler,
+    /// which leaves out what they make unreachable. The CPU has each kernel compiled once, with the
+    /// defaults: a value may only exclude what is never asked for.
+    ///
+    /// # Errors
+    /// If the kernel exceeds the device's limits or its driver refuses it; on a GPU also if it has no
+    /// such override.
+    fn load_specialised(
+        &self,
+        kernel: &'static Kernel,
+        overrides: &[(&'static str, f64)],
+    ) -> Result<Pipeline, DeviceError>;
 
     /// Binds buffers, in the order of [`Kernel::bindings`]. The bound kernel keeps them alive.
     ///

@@ -30,7 +30,7 @@ fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     let hit = load_hit(id);
     if (hit.triangle == NONE) {
-        if (params.environment_at != NONE && has_flag(FLAG_HIT)) {
+        if (may_have(FEATURE_ENVIRONMENT) && params.environment_at != NONE && has_flag(FLAG_HIT)) {
             add_environment(path);
         }
         return;

@@ -88,9 +88,6 @@ pub struct Aovs {
     n_passes: u64,
 }
 
-/// The kernels of layers.
-pub const AOV_KERNELS: [&str; 2] = ["trace_aov", "measure_variance"];
-
 /// Whether the layers asked for need (first hits, moments).
 fn needs(asked: &[Aov]) -> (bool, bool) {
     (asked.iter().any(|aov| aov.is_of_first_hits()), asked.contains(&Aov::Variance))

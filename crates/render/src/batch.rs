@@ -9,7 +9,7 @@ use midway_device::{BoundKernel, Buffer, BufferUsage, Command, Device, DeviceErr
 use midway_kernels::{constants as k, layout::Params};
 
 use crate::{
-    RenderError,
+    RenderError, RenderSettings,
     buffers::{BufferSet, Pipelines, dispatch, dispatch_indirect},
 };
 
@@ -64,13 +64,11 @@ pub struct Lane {
     params: Buffer,
     counters: Buffer,
     args: Buffer,
-    generate_light: BoundKernel,
-    generate_camera: BoundKernel,
+    light: Option<LightKernels>,
+    connect_camera: Option<BoundKernel>,
+    camera: Option<CameraKernels>,
+    connect: Option<BoundKernel>,
     trace_closest: BoundKernel,
-    shade_light: BoundKernel,
-    shade_camera: BoundKernel,
-    connect: BoundKernel,
-    connect_camera: BoundKernel,
     plan_queue: BoundKernel,
     plan_shadow: BoundKernel,
     trace_shadow: BoundKernel,
@@ -78,19 +76,56 @@ pub struct Lane {
     longest_run: AtomicU64,
 }
 
-/// The kernels of a lane.
-pub const LANE_KERNELS: [&str; 10] = [
-    "generate_light",
-    "generate_camera",
-    "trace_closest",
-    "shade_light",
-    "shade_camera",
-    "connect",
-    "connect_camera",
-    "plan_queue",
-    "plan_shadow",
-    "trace_shadow",
-];
+/// What traces light subpaths.
+struct LightKernels {
+    generate: BoundKernel,
+    shade: BoundKernel,
+}
+
+/// What traces camera subpaths.
+struct CameraKernels {
+    generate: BoundKernel,
+    shade: BoundKernel,
+}
+
+/// What a lane is for: of the rest it loads no kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LaneUses {
+    light: bool,
+    splat: bool,
+    camera: bool,
+    join: bool,
+}
+
+impl LaneUses {
+    /// All that an integrator does.
+    pub fn of(settings: &RenderSettings) -> Self {
+        let integrator = &settings.integrator;
+        Self {
+            light: integrator.uses_light_paths(),
+            splat: integrator.uses_splat(),
+            camera: integrator.uses_camera_paths(),
+            join: integrator.joins().is_some(),
+        }
+    }
+
+    /// Light paths alone, for themselves.
+    pub fn light_paths() -> Self {
+        Self { light: true, splat: false, camera: false, join: false }
+    }
+
+    /// The kernels that it needs.
+    pub fn kernels(self) -> impl Iterator<Item = &'static str> {
+        let sets: [(bool, &[&str]); 5] = [
+            (self.light, &["generate_light", "shade_light"]),
+            (self.splat, &["connect_camera"]),
+            (self.camera, &["generate_camera", "shade_camera"]),
+            (self.join, &["connect"]),
+            (true, &["trace_closest", "trace_shadow", "plan_queue", "plan_shadow"]),
+        ];
+        sets.into_iter().filter(|(used, _)| *used).flat_map(|(_, names)| names.iter().copied())
+    }
+}
 
 impl Lane {
     /// Allocates a lane. `shared` holds the scene, the film and, with a pool, its light vertices.
@@ -99,6 +134,7 @@ impl Lane {
         pipelines: &Pipelines,
         shared: &BufferSet,
         size: LaneSize,
+        uses: LaneUses,
         own_vertices: bool,
     ) -> Result<Self, RenderError> {
         let mut set = shared.clone();
@@ -118,18 +154,23 @@ impl Lane {
             add("light_paths", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
         }
         let bind = |name| set.bind(device, pipelines, name);
+        let bind_if = |used: bool, name| used.then(|| bind(name)).transpose();
+        let light = || -> Result<_, RenderError> {
+            Ok(LightKernels { generate: bind("generate_light")?, shade: bind("shade_light")? })
+        };
+        let camera = || -> Result<_, RenderError> {
+            Ok(CameraKernels { generate: bind("generate_camera")?, shade: bind("shade_camera")? })
+        };
         Ok(Self {
             size,
             params,
             counters,
             args,
-            generate_light: bind("generate_light")?,
-            generate_camera: bind("generate_camera")?,
+            light: uses.light.then(light).transpose()?,
+            connect_camera: bind_if(uses.splat, "connect_camera")?,
+            camera: uses.camera.then(camera).transpose()?,
+            connect: bind_if(uses.join, "connect")?,
             trace_closest: bind("trace_closest")?,
-            shade_light: bind("shade_light")?,
-            shade_camera: bind("shade_camera")?,
-            connect: bind("connect")?,
-            connect_camera: bind("connect_camera")?,
             plan_queue: bind("plan_queue")?,
             plan_shadow: bind("plan_shadow")?,
             trace_shadow: bind("trace_shadow")?,
@@ -151,17 +192,18 @@ impl Lane {
     /// bounce only are projected onto the film as they come. Returns how many were appended in all,
     /// which may be more than there was room for.
     pub fn trace_light_paths(&self, device: &dyn Device, params: &Params) -> Result<u32, RenderError> {
+        let Some(light) = &self.light else { return Ok(0) };
         self.begin(device, params, 0)?;
         let mut turn = vec![dispatch(&self.plan_queue, 1)];
-        if params.append_transient != 0 {
-            turn.push(dispatch_indirect(&self.connect_camera, &self.args, k::ARGS_SPLAT));
+        if let Some(connect_camera) = self.connect_camera.as_ref().filter(|_| params.append_transient != 0) {
+            turn.push(dispatch_indirect(connect_camera, &self.args, k::ARGS_SPLAT));
             turn.extend(self.shadow_commands());
         }
-        let mut start = vec![dispatch(&self.generate_light, params.n_paths)];
+        let mut start = vec![dispatch(&light.generate, params.n_paths)];
         start.extend(turn.iter().cloned());
         let mut bounce = vec![
             dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE),
-            dispatch_indirect(&self.shade_light, &self.args, k::ARGS_QUEUE),
+            dispatch_indirect(&light.shade, &self.args, k::ARGS_QUEUE),
         ];
         bounce.extend(turn);
         self.run_until_empty(device, start, &bounce)?;
@@ -170,6 +212,7 @@ impl Lane {
 
     /// Projects the first `n` appended light vertices onto the film (t = 1).
     pub fn splat_light_vertices(&self, device: &dyn Device, n: u32) -> Result<(), RenderError> {
+        let Some(connect_camera) = &self.connect_camera else { return Ok(()) };
         let mut first = 0;
         while first < n {
             let end = n.min(first + self.size.shadow_capacity());
@@ -179,7 +222,7 @@ impl Lane {
                 u64::from(k::COUNT_SPLAT_FIRST) * 4,
                 bytemuck::cast_slice(&range),
             )?;
-            let mut commands = vec![dispatch(&self.connect_camera, end - first)];
+            let mut commands = vec![dispatch(connect_camera, end - first)];
             commands.extend(self.shadow_commands());
             device.run(&commands, false)?;
             first = end;
@@ -189,13 +232,14 @@ impl Lane {
 
     /// Traces the camera subpaths of `params`' batch, joined to the light vertices kept.
     pub fn trace_camera_paths(&self, device: &dyn Device, params: &Params) -> Result<(), RenderError> {
+        let Some(camera) = &self.camera else { return Ok(()) };
         self.begin(device, params, params.n_paths)?;
-        let start = vec![dispatch(&self.generate_camera, params.n_paths), dispatch(&self.plan_queue, 1)];
+        let start = vec![dispatch(&camera.generate, params.n_paths), dispatch(&self.plan_queue, 1)];
         let mut bounce = vec![dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE)];
-        if params.join != k::JOIN_NONE {
-            bounce.push(dispatch_indirect(&self.connect, &self.args, k::ARGS_QUEUE));
+        if let Some(connect) = &self.connect {
+            bounce.push(dispatch_indirect(connect, &self.args, k::ARGS_QUEUE));
         }
-        bounce.push(dispatch_indirect(&self.shade_camera, &self.args, k::ARGS_QUEUE));
+        bounce.push(dispatch_indirect(&camera.shade, &self.args, k::ARGS_QUEUE));
         bounce.push(dispatch(&self.plan_queue, 1));
         bounce.extend(self.shadow_commands());
         self.run_until_empty(device, start, &bounce)

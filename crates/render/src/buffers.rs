@@ -1,23 +1,35 @@
 //! Buffers by the names that kernels know them by.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, thread};
 
 use midway_device::{BoundKernel, Buffer, Command, Device, DeviceError, Pipeline};
 use midway_kernels::kernel;
 
 use crate::RenderError;
 
-/// Compiled kernels, each loaded once.
-pub struct Pipelines(HashMap<&'static str, Pipeline>);
+/// Kernels as a scene needs them (`FEATURE_*`); a device compiles each of them once.
+pub struct Pipelines {
+    features: u32,
+}
 
 impl Pipelines {
-    /// Loads the named kernels.
-    pub fn load(device: &dyn Device, names: &[&'static str]) -> Result<Self, DeviceError> {
-        names
-            .iter()
-            .map(|&name| Ok((name, device.load_kernel(kernel(name))?)))
-            .collect::<Result<_, _>>()
-            .map(Self)
+    /// Compiles the named kernels, all at once; others are compiled when they are bound.
+    pub fn load(device: &dyn Device, features: u32, names: &[&'static str]) -> Result<Self, DeviceError> {
+        let pipelines = Self { features };
+        thread::scope(|scope| {
+            let pipelines = &pipelines;
+            let load = |&name| scope.spawn(move || pipelines.get(device, name));
+            let started: Vec<_> = names.iter().map(load).collect();
+            started.into_iter().try_for_each(|thread| match thread.join() {
+                Ok(loaded) => loaded.map(|_| ()),
+                Err(panic) => std::panic::resume_unwind(panic),
+            })
+        })?;
+        Ok(pipelines)
+    }
+
+    fn get(&self, device: &dyn Device, name: &str) -> Result<Pipeline, DeviceError> {
+        device.load_specialised(kernel(name), &[("FEATURES", f64::from(self.features))])
     }
 }
 
@@ -43,7 +55,7 @@ impl BufferSet {
         pipelines: &Pipelines,
         name: &str,
     ) -> Result<BoundKernel, RenderError> {
-        let pipeline = &pipelines.0[name];
+        let pipeline = &pipelines.get(device, name)?;
         let buffers: Vec<&Buffer> = pipeline.kernel().bindings.iter().map(|b| self.get(b.name)).collect();
         Ok(device.bind(pipeline, &buffers)?)
     }

@@ -17,6 +17,7 @@ mod batch;
 mod buffers;
 mod environment;
 mod error;
+mod features;
 mod lights;
 mod medium;
 mod pack;

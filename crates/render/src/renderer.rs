@@ -15,8 +15,8 @@ use midway_scene::{Camera, Scene};
 
 use crate::{
     Join, LightPaths, PackedScene, RenderError, RenderSettings,
-    aov::{AOV_KERNELS, Aovs},
-    batch::{LANE_KERNELS, Lane, LaneSize},
+    aov::Aovs,
+    batch::{Lane, LaneSize, LaneUses},
     buffers::{BufferSet, Pipelines, dispatch},
     params::{base_params, join_factor},
     pool::{POOL_KERNELS, Pool},
@@ -106,9 +106,11 @@ impl Renderer {
         let mut base = base_params(&settings, camera, &packed, n_light_paths);
         let shared_plan = plan_shared(&packed, &settings, n_pixels);
         shared_plan.check(device.info())?;
+        let uses = LaneUses::of(&settings);
+        let pool_kernels = settings.integrator.uses_pool().then_some(POOL_KERNELS);
         let names: Vec<&'static str> =
-            LANE_KERNELS.into_iter().chain(POOL_KERNELS).chain(AOV_KERNELS).chain(["resolve"]).collect();
-        let pipelines = Pipelines::load(&*device, &names)?;
+            uses.kernels().chain(pool_kernels.into_iter().flatten()).chain(["resolve"]).collect();
+        let pipelines = Pipelines::load(&*device, packed.features, &names)?;
         let mut shared = upload(&*device, &packed, n_pixels)?;
         let mut mean_light_vertices = 0.0;
         if settings.integrator.joins().is_some() {
@@ -122,7 +124,7 @@ impl Renderer {
         let size = sizes.lane;
         let pool = sizes.pool.map(|size| Pool::new(&*device, &pipelines, &mut shared, size)).transpose()?;
         let lanes = (0..n_lanes)
-            .map(|_| Lane::new(&*device, &pipelines, &shared, size, pool.is_none()))
+            .map(|_| Lane::new(&*device, &pipelines, &shared, size, uses, pool.is_none()))
             .collect::<Result<Vec<_>, _>>()?;
         let aovs = Aovs::new(&*device, &pipelines, &shared, &settings.aovs, n_pixels)?;
         let first_batch =
@@ -427,7 +429,7 @@ fn measure_light_vertices(
     base: &Params,
 ) -> Result<f32, RenderError> {
     let size = LaneSize { n_paths: PILOT_PATHS, append_at: 0, append_capacity: 0 };
-    let lane = Lane::new(device, pipelines, shared, size, true)?;
+    let lane = Lane::new(device, pipelines, shared, size, LaneUses::light_paths(), true)?;
     let params = Params {
         seed: PILOT_SEED,
         n_paths: PILOT_PATHS,

@@ -64,7 +64,10 @@ fn textures_and_overrides() {
          fn f() -> vec4<f32> { return textureLoad(image, vec2(0), 0); }",
         "a texture",
     );
-    unsupported("\noverride SIZE: u32 = 4u; // here\nfn f() -> u32 { return SIZE; }", "a pipeline override");
+    unsupported(
+        "\noverride SIZE: u32; // here\nfn f() -> u32 { return SIZE; }",
+        "a pipeline override without a default",
+    );
 }
 
 #[test]

@@ -209,7 +209,11 @@ impl Device for CpuDevice {
         Ok(out)
     }
 
-    fn load_kernel(&self, kernel: &'static Kernel) -> Result<Pipeline, DeviceError> {
+    fn load_specialised(
+        &self,
+        kernel: &'static Kernel,
+        _overrides: &[(&'static str, f64)],
+    ) -> Result<Pipeline, DeviceError> {
         self.check().kernel(kernel)?;
         Ok(Pipeline { kernel, device: self.id, inner: nothing() })
     }

@@ -46,8 +46,9 @@ pub struct GpuDevice {
     faults: Faults,
     cache: Option<PipelineCache>,
     staging: Mutex<Staging>,
-    /// Pipelines by the address of their kernel's record, so that each is compiled once.
-    loaded: Mutex<HashMap<usize, Pipeline>>,
+    /// Pipelines by the address of their kernel's record and by their overrides, so that each is
+    /// compiled once.
+    loaded: Mutex<HashMap<(usize, Vec<(&'static str, u64)>), Pipeline>>,
     /// Made by the first timed run; held while one is under way.
     clock: OnceLock<Mutex<Clock>>,
 }
@@ -218,15 +219,20 @@ impl Device for GpuDevice {
         Ok(out)
     }
 
-    fn load_kernel(&self, kernel: &'static Kernel) -> Result<Pipeline, DeviceError> {
+    fn load_specialised(
+        &self,
+        kernel: &'static Kernel,
+        overrides: &[(&'static str, f64)],
+    ) -> Result<Pipeline, DeviceError> {
         self.check().kernel(kernel)?;
-        let key = std::ptr::from_ref(kernel).addr();
+        let bits = overrides.iter().map(|&(name, value)| (name, value.to_bits())).collect();
+        let key = (std::ptr::from_ref(kernel).addr(), bits);
         let loaded = || self.loaded.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = loaded().get(&key) {
             return Ok(pipeline.clone());
         }
         // Compiled without the lock: several threads may load kernels at once.
-        let ready = Ready::new(self, kernel)?;
+        let ready = Ready::new(self, kernel, overrides)?;
         let pipeline = Pipeline { kernel, device: self.id, inner: Arc::new(ready) };
         loaded().insert(key, pipeline.clone());
         Ok(pipeline)

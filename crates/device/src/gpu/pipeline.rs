@@ -14,7 +14,11 @@ pub(super) struct Ready {
 }
 
 impl Ready {
-    pub(super) fn new(gpu: &GpuDevice, kernel: &'static Kernel) -> Result<Self, DeviceError> {
+    pub(super) fn new(
+        gpu: &GpuDevice,
+        kernel: &'static Kernel,
+        overrides: &[(&'static str, f64)],
+    ) -> Result<Self, DeviceError> {
         let refuse = |message| DeviceError::KernelRefused {
             device: gpu.info.name.clone(),
             kernel: kernel.name,
@@ -25,7 +29,7 @@ impl Ready {
             let asked = kernel.workgroup_size;
             return Err(refuse(format!("workgroups of {asked} invocations, and it takes at most {most}")));
         }
-        let made = gpu.faults.guard(&gpu.device, || compile(gpu, kernel));
+        let made = gpu.faults.guard(&gpu.device, || compile(gpu, kernel, overrides));
         made.map_err(|fault| match fault {
             Fault::Refused(message) => refuse(message),
             fault => gpu.error("compile a kernel", fault),
@@ -33,7 +37,7 @@ impl Ready {
     }
 }
 
-fn compile(gpu: &GpuDevice, kernel: &'static Kernel) -> Ready {
+fn compile(gpu: &GpuDevice, kernel: &'static Kernel, overrides: &[(&'static str, f64)]) -> Ready {
     let entries: Vec<_> = kernel.bindings.iter().map(layout_entry).collect();
     let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some(kernel.name),
@@ -59,7 +63,7 @@ fn compile(gpu: &GpuDevice, kernel: &'static Kernel) -> Ready {
         layout: Some(&pipeline_layout),
         module: &module,
         entry_point: Some(kernel.name),
-        compilation_options: Default::default(),
+        compilation_options: wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() },
         cache: gpu.cache.as_ref().map(|cache| cache.for_new_pipeline()),
     });
     Ready { layout, pipeline }

@@ -97,7 +97,7 @@ fn pick_light(u: f32) -> u32 {
 }
 
 fn is_infinite(light: Light) -> bool {
-    return light.kind >= LIGHT_DIRECTIONAL;
+    return may_have(FEATURE_DIRECTIONAL_LIGHTS | FEATURE_ENVIRONMENT) && light.kind >= LIGHT_DIRECTIONAL;
 }
 
 /// The triangle, or NONE.
@@ -115,31 +115,31 @@ fn load_cone(light: Light) -> Cone {
 /// The point of a light at these barycentrics (triangle) or in this direction (environment).
 fn light_point(light: Light, uv: vec2<f32>, direction: vec3<f32>) -> LightPoint {
     let zero = vec3<f32>(0.0);
-    switch light.kind {
-        case LIGHT_TRIANGLE: {
-            let emitter = load_emitter(light.data, uv.x, uv.y);
-            let surface = emitter.surface;
-            let material = emitter.material;
-            let emits_back = (material.flags & MATERIAL_EMITS_BACK) != 0u;
-            let inside = select(NONE, surface.material, bends(material));
-            return LightPoint(surface.position, surface.ng, uv, material.emission, emits_back, inside, light.pmf / light.measure);
-        }
-        case LIGHT_POINT: {
-            return LightPoint(scene[light.data].xyz, scene[light.data + 2u].xyz, uv, scene[light.data + 1u].xyz, false, NONE, light.pmf);
-        }
-        case LIGHT_DIRECTIONAL: {
-            return LightPoint(zero, scene[light.data].xyz, uv, scene[light.data + 1u].xyz, false, NONE, light.pmf);
-        }
-        default: {
-            let seen = environment_towards(load_environment(), direction);
-            return LightPoint(zero, direction, uv, seen.radiance, false, NONE, light.pmf * seen.pdf);
-        }
+    if (may_have(FEATURE_POINT_LIGHTS) && light.kind == LIGHT_POINT) {
+        return LightPoint(scene[light.data].xyz, scene[light.data + 2u].xyz, uv, scene[light.data + 1u].xyz, false, NONE, light.pmf);
     }
+    if (may_have(FEATURE_DIRECTIONAL_LIGHTS) && light.kind == LIGHT_DIRECTIONAL) {
+        return LightPoint(zero, scene[light.data].xyz, uv, scene[light.data + 1u].xyz, false, NONE, light.pmf);
+    }
+    if (is_environment(light)) {
+        let seen = environment_towards(load_environment(), direction);
+        return LightPoint(zero, direction, uv, seen.radiance, false, NONE, light.pmf * seen.pdf);
+    }
+    let emitter = load_emitter(light.data, uv.x, uv.y);
+    let surface = emitter.surface;
+    let material = emitter.material;
+    let emits_back = (material.flags & MATERIAL_EMITS_BACK) != 0u;
+    let inside = select(NONE, surface.material, bends(material));
+    return LightPoint(surface.position, surface.ng, uv, material.emission, emits_back, inside, light.pmf / light.measure);
+}
+
+fn is_environment(light: Light) -> bool {
+    return may_have(FEATURE_ENVIRONMENT) && light.kind == LIGHT_ENVIRONMENT;
 }
 
 /// A point on a light: u for a triangle, four more numbers for the environment.
 fn draw_light_point(light: Light, u: vec2<f32>, path: u32, sample: u32, environment_dimension: u32) -> LightPoint {
-    if (light.kind == LIGHT_ENVIRONMENT) {
+    if (is_environment(light)) {
         let bits = random_bits(path, sample, environment_dimension);
         return light_point(light, vec2<f32>(0.0), draw_environment(load_environment(), bits));
     }
@@ -161,7 +161,7 @@ fn see_light(light: Light, point: LightPoint, place: vec3<f32>) -> LightSample {
     }
     let distance = sqrt(distance_squared);
     let wi = between / distance;
-    if (light.kind == LIGHT_POINT) {
+    if (may_have(FEATURE_POINT_LIGHTS) && light.kind == LIGHT_POINT) {
         let arriving = point.emission * (cone_falloff(load_cone(light), -wi) / distance_squared);
         return LightSample(wi, distance, arriving, point.pdf, 0.0, 1.0 / (light.measure * distance_squared), point.position, NONE);
     }
@@ -175,21 +175,17 @@ fn see_light(light: Light, point: LightPoint, place: vec3<f32>) -> LightSample {
 
 /// A ray from a point on a light.
 fn emit(light: Light, point: LightPoint, u: vec3<f32>) -> Emitted {
-    switch light.kind {
-        case LIGHT_TRIANGLE: {
-            let direction = sample_emission(point.normal, point.emits_back, u);
-            let cos_front = dot(point.normal, direction);
-            let origin = offset_origin(point.position, select(-point.normal, point.normal, cos_front > 0.0));
-            return Emitted(origin, direction, abs(cos_front), emission_pdf_sa(cos_front, point.emits_back), abs(cos_front));
-        }
-        case LIGHT_POINT: {
-            let direction = sample_cone(point.normal, light.measure * (0.5 * INV_PI), u.xy);
-            return Emitted(point.position, direction, cone_falloff(load_cone(light), direction), 1.0 / light.measure, 0.0);
-        }
-        default: {
-            let disk = frame_from_normal(point.normal) * vec3<f32>(sample_disk(u.xy), 1.0);
-            let hit_by_camera = select(0.0, 1.0, light.kind == LIGHT_ENVIRONMENT);
-            return Emitted(params.scene_centre + params.scene_radius * disk, -point.normal, 1.0, 1.0 / light.measure, hit_by_camera);
-        }
+    if (is_infinite(light)) {
+        let disk = frame_from_normal(point.normal) * vec3<f32>(sample_disk(u.xy), 1.0);
+        let hit_by_camera = select(0.0, 1.0, light.kind == LIGHT_ENVIRONMENT);
+        return Emitted(params.scene_centre + params.scene_radius * disk, -point.normal, 1.0, 1.0 / light.measure, hit_by_camera);
     }
+    if (may_have(FEATURE_POINT_LIGHTS) && light.kind == LIGHT_POINT) {
+        let direction = sample_cone(point.normal, light.measure * (0.5 * INV_PI), u.xy);
+        return Emitted(point.position, direction, cone_falloff(load_cone(light), direction), 1.0 / light.measure, 0.0);
+    }
+    let direction = sample_emission(point.normal, point.emits_back, u);
+    let cos_front = dot(point.normal, direction);
+    let origin = offset_origin(point.position, select(-point.normal, point.normal, cos_front > 0.0));
+    return Emitted(origin, direction, abs(cos_front), emission_pdf_sa(cos_front, point.emits_back), abs(cos_front));
 }

@@ -18,7 +18,7 @@ fn load_raw_material(index: u32) -> RawMaterial {
     let b = scene[at + 1u];
     let flags = bitcast<u32>(scene[at + 2u].w);
     let kind = bitcast<u32>(a.w);
-    if (kind == SURFACE_DIFFUSE) {
+    if (!may_have(FEATURE_INTERFACES) || kind == SURFACE_DIFFUSE) {
         return RawMaterial(kind, flags, a.xyz, b.xyz, b.w, vec3<f32>(0.0), 0.0, vec2<f32>(0.0), 0.0, 0.0, vec4<f32>(0.0),
             vec3<f32>(0.0), vec2<f32>(1.0, 0.0));
     }
@@ -36,11 +36,11 @@ fn load_albedos(raw: RawMaterial) -> Albedos {
     if (!needs_albedos(raw)) {
         return albedos;
     }
-    if (raw.kind == SURFACE_METALLIC_ROUGHNESS && max3(raw.eta_or_sheen.xyz) > 0.0) {
+    if (may_have(FEATURE_LAYERS) && raw.kind == SURFACE_METALLIC_ROUGHNESS && max3(raw.eta_or_sheen.xyz) > 0.0) {
         albedos.sheen = load_alpha_curve(CURVE_SHEEN, sheen_alpha(raw));
     }
     let alpha = mean_alpha(interface_alpha(raw));
-    if (alpha == 0.0) {
+    if (!may_have(FEATURE_ROUGHNESS) || alpha == 0.0) {
         return albedos;
     }
     if (needs_dielectric_losses(raw)) {
@@ -49,7 +49,7 @@ fn load_albedos(raw: RawMaterial) -> Albedos {
         return albedos;
     }
     albedos.a = load_alpha_curve(CURVE_LOSS, alpha);
-    if (raw.kind == SURFACE_PLASTIC) {
+    if (is_kind(raw.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
         albedos.b = load_index_curve(CURVE_RARE_REFLECTED, alpha, raw.ior);
     } else {
         albedos.b = load_alpha_curve(CURVE_GRAZING, alpha);
@@ -87,7 +87,7 @@ fn load_index_row(row_at: u32, curve: u32, alpha: f32) -> Curve {
 
 /// What a medium lets through over a distance.
 fn medium_transmittance(medium: u32, distance: f32) -> vec3<f32> {
-    if (medium == NONE) {
+    if (!may_have(FEATURE_INSIDES) || medium == NONE) {
         return vec3<f32>(1.0);
     }
     let sigma = scene[material_at(medium) + 2u].xyz;

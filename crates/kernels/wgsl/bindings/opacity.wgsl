@@ -6,8 +6,11 @@
 
 /// How much of a surface is there at a point, in [0, 1].
 fn coverage(surface: Surface) -> f32 {
+    if (!may_have(FEATURE_CUTOUTS)) {
+        return 1.0;
+    }
     let numbers = load_slot_numbers(surface.material);
-    let mode = bitcast<u32>(numbers.w);
+    let mode = bitcast<u32>(numbers.w) & ((1u << OPACITY_BITS) - 1u);
     if (mode == OPACITY_NONE) {
         return 1.0;
     }
@@ -21,6 +24,9 @@ fn coverage(surface: Surface) -> f32 {
 /// Whether a ray passes through the triangle it meets at barycentric coordinates u and v. Chance is drawn
 /// from the ray itself: another ray, another draw.
 fn passes(id: u32, u: f32, v: f32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
+    if (!may_have(FEATURE_CUTOUTS)) {
+        return false;
+    }
     let surface = load_surface(id, u, v);
     let o = bitcast<vec3<u32>>(origin);
     let d = bitcast<vec3<u32>>(direction);

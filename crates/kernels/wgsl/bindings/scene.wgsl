@@ -12,7 +12,7 @@ fn frame_of(surface: Surface) -> Frame {
 
 /// 32 random bits four times for a draw of a path: by hash, or from the table, whose numbers have 24.
 fn random_bits(path: u32, sample: u32, dim: u32) -> vec4<u32> {
-    if (params.n_random != 0u) {
+    if (may_have(FEATURE_RANDOM_TABLE) && params.n_random != 0u) {
         let entry = scene[params.random_at + table_index(path, sample, dim, params.seed, params.n_random)];
         return vec4<u32>(entry * 16777216.0) << vec4<u32>(8u);
     }

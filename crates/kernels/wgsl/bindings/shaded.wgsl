@@ -21,16 +21,14 @@ struct RawPoint {
 
 /// The point at barycentric coordinates u and v of a triangle's second and third vertex.
 fn load_raw_point(id: u32, u: f32, v: f32) -> RawPoint {
-    var surface = load_surface(id, u, v);
+    let surface = load_surface(id, u, v);
     var raw = load_raw_material(surface.material);
     raw.color *= surface.color.xyz;
-    if ((raw.flags & MATERIAL_TEXTURED) != 0u) {
-        raw = add_textures(raw, surface);
+    let point = RawPoint(surface, raw);
+    if (may_have(FEATURE_TEXTURES) && (raw.flags & MATERIAL_TEXTURED) != 0u) {
+        return add_textures(point);
     }
-    if ((raw.flags & MATERIAL_NORMAL_MAP) != 0u) {
-        surface = bend_normal(surface);
-    }
-    return RawPoint(surface, raw);
+    return point;
 }
 
 /// The same with all that scattering needs.
@@ -39,39 +37,54 @@ fn load_shaded(id: u32, u: f32, v: f32) -> Shaded {
     return Shaded(point.surface, finish_material(point.raw, load_albedos(point.raw)));
 }
 
-/// A record's values times its textures, in the ranges that the values have.
-fn add_textures(plain: RawMaterial, surface: Surface) -> RawMaterial {
-    let m = surface.material;
-    let a = surface.uv0;
-    let b = surface.uv1;
+/// A point's record times what its textures say there, and its normal bent by the map. One loop over the
+/// textures that there are, so that a kernel holds the code of a lookup once.
+fn add_textures(plain: RawPoint) -> RawPoint {
+    var point = plain;
+    let material = plain.surface.material;
+    var slots = textured_slots(material);
+    while (slots != 0u) { // at most N_SLOTS times
+        let slot = firstTrailingBit(slots);
+        slots &= slots - 1u;
+        let word = load_slot(material, slot);
+        let rgba = sample_texture(word >> 2u, plain.surface.uv0, plain.surface.uv1);
+        if (slot == SLOT_NORMAL) {
+            point.surface = bend_normal(point.surface, rgba.xyz, word >> 2u);
+        } else {
+            point.raw = add_texture(point.raw, slot, rgba, rgba[word & 3u]);
+        }
+    }
+    return point;
+}
+
+/// One value of a record times its texture, in the range that the value has.
+fn add_texture(plain: RawMaterial, slot: u32, rgba: vec4<f32>, value: f32) -> RawMaterial {
     var raw = plain;
-    raw.color = saturate(raw.color * slot_rgba(m, SLOT_COLOR, a, b).xyz);
-    raw.emission = max(raw.emission * slot_rgba(m, SLOT_EMISSION, a, b).xyz, vec3<f32>(0.0));
-    if (raw.kind == SURFACE_DIFFUSE) {
-        return raw;
+    switch slot {
+        case SLOT_COLOR: { raw.color = saturate(raw.color * rgba.xyz); }
+        case SLOT_EMISSION: { raw.emission = max(raw.emission * rgba.xyz, vec3<f32>(0.0)); }
+        case SLOT_SPECULAR_COLOR: { raw.specular_color = max(raw.specular_color * rgba.xyz, vec3<f32>(0.0)); }
+        case SLOT_ROUGHNESS: { raw.roughness.x = saturate(raw.roughness.x * value); }
+        case SLOT_ROUGHNESS_ACROSS: { raw.roughness.y = saturate(raw.roughness.y * value); }
+        case SLOT_METALLIC: { raw.metallic = saturate(raw.metallic * value); }
+        case SLOT_TRANSMISSION: { raw.transmission = saturate(raw.transmission * value); }
+        case SLOT_SPECULAR: { raw.specular = saturate(raw.specular * value); }
+        case SLOT_CLEARCOAT: { raw.k_or_coat.x = saturate(raw.k_or_coat.x * value); }
+        case SLOT_CLEARCOAT_ROUGHNESS: { raw.k_or_coat.y = saturate(raw.k_or_coat.y * value); }
+        case SLOT_ANISOTROPY: { raw.k_or_coat.z = saturate(raw.k_or_coat.z * value); }
+        case SLOT_SHEEN_COLOR: { raw.eta_or_sheen = vec4<f32>(saturate(raw.eta_or_sheen.xyz * rgba.xyz), raw.eta_or_sheen.w); }
+        case SLOT_SHEEN_ROUGHNESS: { raw.eta_or_sheen.w = saturate(raw.eta_or_sheen.w * value); }
+        default: {}
     }
-    raw.specular_color = max(raw.specular_color * slot_rgba(m, SLOT_SPECULAR_COLOR, a, b).xyz, vec3<f32>(0.0));
-    raw.roughness = saturate(raw.roughness
-        * vec2<f32>(slot_value(m, SLOT_ROUGHNESS, a, b), slot_value(m, SLOT_ROUGHNESS_ACROSS, a, b)));
-    if (raw.kind != SURFACE_METALLIC_ROUGHNESS) {
-        return raw;
-    }
-    raw.metallic = saturate(raw.metallic * slot_value(m, SLOT_METALLIC, a, b));
-    raw.transmission = saturate(raw.transmission * slot_value(m, SLOT_TRANSMISSION, a, b));
-    raw.specular = saturate(raw.specular * slot_value(m, SLOT_SPECULAR, a, b));
-    raw.eta_or_sheen = saturate(raw.eta_or_sheen
-        * vec4<f32>(slot_rgba(m, SLOT_SHEEN_COLOR, a, b).xyz, slot_value(m, SLOT_SHEEN_ROUGHNESS, a, b)));
-    raw.k_or_coat = saturate(raw.k_or_coat * vec3<f32>(slot_value(m, SLOT_CLEARCOAT, a, b),
-        slot_value(m, SLOT_CLEARCOAT_ROUGHNESS, a, b), slot_value(m, SLOT_ANISOTROPY, a, b)));
     return raw;
 }
 
-/// The shading normal by the material's normal map, kept in ng's hemisphere.
-fn bend_normal(plain: Surface) -> Surface {
-    let texel = slot_rgba(plain.material, SLOT_NORMAL, plain.uv0, plain.uv1).xyz * 2.0 - vec3<f32>(1.0);
+/// The shading normal by a texel of the material's normal map, kept in ng's hemisphere.
+fn bend_normal(plain: Surface, rgb: vec3<f32>, texture: u32) -> Surface {
+    let texel = rgb * 2.0 - vec3<f32>(1.0);
     let scale = load_slot_numbers(plain.material).x;
     // The map's axes are those of the image: where it lies mirrored on the surface, they are too.
-    let map = load_texture(load_slot(plain.material, SLOT_NORMAL) >> 2u);
+    let map = load_texture(texture);
     let right = scale * select(1.0, -1.0, map.row_u.x < 0.0);
     let up = scale * select(1.0, -1.0, map.row_v.y < 0.0);
     let bitangent = plain.bitangent_sign * cross(plain.ns, plain.tangent);

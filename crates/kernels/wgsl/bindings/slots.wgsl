@@ -2,7 +2,8 @@
 
 #include "bindings/textures.wgsl"
 
-/// vec4 per material: a word for each slot, then normal scale, opacity, cutoff, mode.
+/// vec4 per material: a word for each slot; then normal scale, opacity, cutoff, and as bits the mode
+/// (2) and behind it which slots `add_textures` is to look up.
 const SLOTS_STRIDE: u32 = 5u;
 /// A slot's word is a texture's index and, in its two lowest bits, a channel; NONE for no texture.
 const N_SLOTS: u32 = 15u;
@@ -23,15 +24,15 @@ const SLOT_SHEEN_COLOR: u32 = 12u;
 const SLOT_SHEEN_ROUGHNESS: u32 = 13u;
 const SLOT_ANISOTROPY: u32 = 14u;
 
-// The record's mode
+// The record's mode, the low bits of the last word
 const OPACITY_NONE: u32 = 0u;
 const OPACITY_MASK: u32 = 1u;
 const OPACITY_BLEND: u32 = 2u;
+const OPACITY_BITS: u32 = 2u;
 
 // Further bits of a material's flags.
-/// It has a texture in a slot that its scattering or emission takes.
+/// It has a texture in a slot that its scattering, its emission or its normal takes.
 const MATERIAL_TEXTURED: u32 = 0x10000u;
-const MATERIAL_NORMAL_MAP: u32 = 0x20000u;
 /// It is not everywhere there.
 const MATERIAL_CUTOUT: u32 = 0x40000u;
 
@@ -40,7 +41,12 @@ fn load_slot(material: u32, slot: u32) -> u32 {
     return bitcast<u32>(scene[params.slots_at + material * SLOTS_STRIDE + slot / 4u][slot % 4u]);
 }
 
-/// Normal scale, opacity, cutoff, mode (as bits).
+/// Which slots of a material have textures, but for the one of its opacity, which rays look up: a bit each.
+fn textured_slots(material: u32) -> u32 {
+    return bitcast<u32>(load_slot_numbers(material).w) >> OPACITY_BITS;
+}
+
+/// Normal scale, opacity, cutoff, mode and textured slots (as bits).
 fn load_slot_numbers(material: u32) -> vec4<f32> {
     return scene[params.slots_at + material * SLOTS_STRIDE + SLOTS_STRIDE - 1u];
 }

@@ -97,7 +97,7 @@ fn place_vector(instance: u32, v: vec3<f32>) -> vec3<f32> {
 }
 
 fn load_triangle(id: u32) -> Triangle {
-    if (id >= params.n_baked) {
+    if (may_have(FEATURE_INSTANCES) && id >= params.n_baked) {
         return load_placed_triangle(id);
     }
     return load_stored_triangle(id);
@@ -112,7 +112,7 @@ fn triangle_normal(triangle: Triangle) -> vec3<f32> {
 /// Unit normal of a vertex in the world.
 fn vertex_normal(instance: u32, packed: u32) -> vec3<f32> {
     let normal = oct_decode(packed);
-    if (instance == NONE) {
+    if (!may_have(FEATURE_INSTANCES) || instance == NONE) {
         return normal;
     }
     let head = scene[instance];
@@ -139,7 +139,7 @@ fn load_surface(id: u32, u: f32, v: f32) -> Surface {
     let frame = frame_from_normal(ns);
     var surface = Surface(triangle.v0 + u * triangle.e1 + v * triangle.e2, ng, ns, triangle.material, triangle.light,
         vec2<f32>(0.0), vec2<f32>(0.0), vec4<f32>(1.0), frame[0], 1.0);
-    if (triangle.attributes != NONE) {
+    if (may_have(FEATURE_ATTRIBUTES) && triangle.attributes != NONE) {
         surface = add_attributes(surface, triangle, u, v);
     }
     return surface;
@@ -183,7 +183,7 @@ fn load_tangent(triangle: Triangle, packed: vec4<f32>, u: f32, v: f32) -> vec4<f
 
 fn vertex_tangent(instance: u32, packed: u32) -> vec3<f32> {
     let tangent = oct_decode(packed);
-    if (instance == NONE) {
+    if (!may_have(FEATURE_INSTANCES) || instance == NONE) {
         return tangent;
     }
     return normalize(place_vector(instance, tangent)); // not zero: transforms are not singular

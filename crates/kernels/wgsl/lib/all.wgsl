@@ -1,4 +1,5 @@
 // The pure functions, in the order of their needs.
+#include "lib/features.wgsl"
 #include "lib/math.wgsl"
 #include "lib/rng.wgsl"
 #include "lib/sampling.wgsl"

@@ -36,10 +36,15 @@ fn is_connectible(material: Material) -> bool {
     return (material.flags & MATERIAL_CONNECTIBLE) != 0u;
 }
 
+/// Whether it has no interface.
+fn is_diffuse(material: Material) -> bool {
+    return !may_have(FEATURE_INTERFACES) || material.kind == SURFACE_DIFFUSE;
+}
+
 /// Chance of going on from a vertex: of position and material alone, because recursive MIS needs it
 /// in reverse.
 fn survival(material: Material) -> f32 {
-    if (material.kind == SURFACE_DIFFUSE) {
+    if (is_diffuse(material)) {
         return min(material.albedo, MAX_SURVIVAL);
     }
     if (material.kind == SURFACE_NULL) {
@@ -69,7 +74,7 @@ fn absorbs(material: Material, frame: Frame, wo: vec3<f32>) -> bool {
 /// material's rotation, across it, and the normal.
 fn local_basis(material: Material, frame: Frame, wo: vec3<f32>) -> mat3x3<f32> {
     let n = select(-frame.ns, frame.ns, dot(frame.ng, wo) > 0.0);
-    if (material.alpha.x == material.alpha.y) {
+    if (!may_have(FEATURE_ANISOTROPY) || material.alpha.x == material.alpha.y) {
         return frame_from_normal(n);
     }
     let flat_tangent = frame.tangent - n * dot(n, frame.tangent);
@@ -86,7 +91,7 @@ fn local_basis(material: Material, frame: Frame, wo: vec3<f32>) -> mat3x3<f32> {
 /// f(wo, wi), per steradian, no cosine; 0 for delta lobes.
 fn bsdf_eval(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> vec3<f32> {
     let reflects = same_side(frame, wo, wi);
-    if (material.kind == SURFACE_DIFFUSE) {
+    if (is_diffuse(material)) {
         return select(vec3<f32>(0.0), material.reflectance * INV_PI, reflects && !absorbs(material, frame, wo));
     }
     if (!is_connectible(material) || absorbs(material, frame, wo)) {
@@ -106,7 +111,7 @@ fn bsdf_eval(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mod
 /// Density of wi given wo, per solid angle; 0 for delta lobes. The same in both modes.
 fn bsdf_pdf(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
     let reflects = same_side(frame, wo, wi);
-    if (material.kind == SURFACE_DIFFUSE) {
+    if (is_diffuse(material)) {
         return select(0.0, abs(dot(frame.ns, wi)) * INV_PI, reflects && !absorbs(material, frame, wo));
     }
     if (!is_connectible(material) || absorbs(material, frame, wo)) {
@@ -127,7 +132,7 @@ fn bsdf_sample(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>, mo
     if (absorbs(material, frame, wo)) {
         return no_sample();
     }
-    if (material.kind == SURFACE_DIFFUSE) {
+    if (is_diffuse(material)) {
         return sample_diffuse(material, frame, wo, u.xy);
     }
     return sample_lobes(material, frame, wo, u, mode);

@@ -30,16 +30,16 @@ fn relative_index(material: Material, front: bool) -> f32 {
 fn interface_split(material: Material, front: bool, cos_o: f32) -> Split {
     let cosine = clamp(cos_o, 0.0, 1.0);
     let eta = relative_index(material, front);
-    switch material.kind {
-        case SURFACE_CONDUCTOR: { return Split(conductor_fresnel(material, cosine), vec3<f32>(0.0)); }
-        case SURFACE_METALLIC_ROUGHNESS: { return metallic_split(material, eta, cosine); }
-        default: {
-            let exact = fresnel_dielectric(cosine, eta).x;
-            let sheet = material.kind == SURFACE_DIELECTRIC && !bends(material);
-            let f = select(exact, fresnel_sheet(exact), sheet);
-            return Split(material.reflect * f, material.transmit * (1.0 - f));
-        }
+    if (is_kind(material.kind, SURFACE_CONDUCTOR, FEATURE_CONDUCTOR)) {
+        return Split(conductor_fresnel(material, cosine), vec3<f32>(0.0));
     }
+    if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
+        return metallic_split(material, eta, cosine);
+    }
+    let exact = fresnel_dielectric(cosine, eta).x;
+    let sheet = material.kind == SURFACE_DIELECTRIC && !bends(material);
+    let f = select(exact, fresnel_sheet(exact), sheet);
+    return Split(material.reflect * f, material.transmit * (1.0 - f));
 }
 
 fn conductor_fresnel(material: Material, cosine: f32) -> vec3<f32> {
@@ -101,12 +101,12 @@ fn lobe_chances(material: Material, front: bool, mu: f32) -> Lobes {
         facets = 1.0 - loss;
     }
     if (has_layers(material, front)) {
-        if (material.kind == SURFACE_PLASTIC) {
+        if (is_kind(material.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
             let through = plastic_through(material, mu).x;
             facets *= max3(material.reflect) * (1.0 - through);
             reflected = reflected * max3(material.reflect) + PI * max3(material.reflectance) * through;
         }
-        if (material.kind == SURFACE_METALLIC_ROUGHNESS) {
+        if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
             let f = fresnel_schlick_to(material.f0, material.f90, mu);
             let layers = metallic_layers(material, mu);
             facets *= layers * (max3(f) + 0.02 * max3(material.f90) + max3(material.transmit));
@@ -134,10 +134,10 @@ fn eval_reflected(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>)
     if (!has_layers(material, front)) {
         return f;
     }
-    if (material.kind == SURFACE_PLASTIC) {
+    if (is_kind(material.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
         return f + material.reflectance * plastic_through(material, wo.z) * plastic_through(material, wi.z);
     }
-    if (material.kind == SURFACE_METALLIC_ROUGHNESS) {
+    if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
         f *= min(metallic_layers(material, wo.z), metallic_layers(material, wi.z));
         f += material.reflectance * metallic_through(material, wo.z) * metallic_through(material, wi.z);
         f += eval_coat_and_sheen(material, wo, wi, h, cos_h);
@@ -147,6 +147,9 @@ fn eval_reflected(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>)
 
 fn eval_coat_and_sheen(material: Material, wo: vec3<f32>, wi: vec3<f32>, h: vec3<f32>, cos_h: f32) -> vec3<f32> {
     var f = vec3<f32>(0.0);
+    if (!may_have(FEATURE_LAYERS)) {
+        return f;
+    }
     if (max3(material.sheen) > 0.0) {
         let covered = min(coat_through(material, wo.z), coat_through(material, wi.z));
         f = material.sheen * (covered * sheen_eval(material.sheen_alpha, wo, wi));
@@ -159,9 +162,14 @@ fn eval_coat_and_sheen(material: Material, wo: vec3<f32>, wi: vec3<f32>, h: vec3
     return f;
 }
 
+/// Whether a rough interface lets light through.
+fn may_transmit(material: Material) -> bool {
+    return may_have(FEATURE_TRANSMISSION) && !is_smooth(material) && max3(material.transmit) > 0.0;
+}
+
 /// Transmission, no delta lobes.
 fn eval_transmitted(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> vec3<f32> {
-    if (is_smooth(material) || max3(material.transmit) == 0.0) {
+    if (!may_transmit(material)) {
         return vec3<f32>(0.0);
     }
     let eta = relative_index(material, front);
@@ -171,7 +179,7 @@ fn eval_transmitted(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32
         f *= max(1.0, eta * eta);
     }
     f += interface_split_transmitted(material, front, wo, wi, eta);
-    if (material.kind == SURFACE_METALLIC_ROUGHNESS) {
+    if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
         let outside = metallic_layers(material, select(-wi.z, wo.z, front));
         let other = metallic_layers(material, select(wo.z, -wi.z, front));
         f *= select(min(outside, other), outside, bends(material));
@@ -215,7 +223,7 @@ fn lobes_pdf(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>) -> f
         let chance = reflection_chance(interface_split(material, front, dot(wo, h)));
         pdf += chances.facets * chance * facet_reflection_pdf(material.alpha, wo, h);
     }
-    if (chances.coat > 0.0 && material.coat_alpha > 0.0) {
+    if (may_have(FEATURE_LAYERS) && chances.coat > 0.0 && material.coat_alpha > 0.0) {
         pdf += chances.coat * facet_reflection_pdf(vec2<f32>(material.coat_alpha), wo, h);
     }
     return pdf;
@@ -227,7 +235,7 @@ fn facet_reflection_pdf(alpha: vec2<f32>, wo: vec3<f32>, h: vec3<f32>) -> f32 {
 }
 
 fn transmitted_pdf(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
-    if (is_smooth(material) || max3(material.transmit) == 0.0) {
+    if (!may_transmit(material)) {
         return 0.0;
     }
     if (!bends(material)) {

@@ -60,10 +60,16 @@ fn metallic_bounces(raw: RawMaterial, plain: Material) -> Material {
 
 /// What the coat and the sheen let through, at a cosine.
 fn metallic_layers(material: Material, mu: f32) -> f32 {
+    if (!may_have(FEATURE_LAYERS)) {
+        return 1.0;
+    }
     return coat_through(material, mu) * (1.0 - max3(material.sheen) * curve_at(material.curves.sheen, mu));
 }
 
 fn coat_through(material: Material, mu: f32) -> f32 {
+    if (!may_have(FEATURE_LAYERS)) {
+        return 1.0;
+    }
     return 1.0 - material.coat * fresnel_schlick(vec3<f32>(0.04), mu).x;
 }
 

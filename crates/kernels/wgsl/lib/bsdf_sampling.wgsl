@@ -25,7 +25,7 @@ fn sample_lobes(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>, m
             return sample_smooth(material, frame, wo, choice, chances.facets, mode);
         }
         local = sample_facet(material, front, local_o, u.xy, choice);
-    } else if (rest < chances.coat) {
+    } else if (may_have(FEATURE_LAYERS) && rest < chances.coat) {
         if (material.coat_alpha == 0.0) {
             return sample_smooth_coat(material, frame, wo, chances.coat);
         }
@@ -117,7 +117,7 @@ fn sample_smooth(material: Material, frame: Frame, wo: vec3<f32>, choice: f32, c
 
 /// What covers a smooth interface, at a cosine.
 fn layers_over(material: Material, front: bool, mu: f32) -> f32 {
-    if (material.kind != SURFACE_METALLIC_ROUGHNESS || !has_layers(material, front)) {
+    if (!is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS) || !has_layers(material, front)) {
         return 1.0;
     }
     return metallic_layers(material, mu);

@@ -129,22 +129,22 @@ fn sheen_alpha(raw: RawMaterial) -> f32 {
 
 /// Whether any curve is read.
 fn needs_albedos(raw: RawMaterial) -> bool {
-    return raw.kind != SURFACE_DIFFUSE && raw.kind != SURFACE_NULL;
+    return may_have(FEATURE_INTERFACES) && raw.kind != SURFACE_DIFFUSE && raw.kind != SURFACE_NULL;
 }
 
 /// Whether the curves of a solid dielectric are (a: loss at the front, b: at the back), in place of
 /// those of a mirror (a: loss; b: reflection of the coat for plastic, else CURVE_GRAZING).
 fn needs_dielectric_losses(raw: RawMaterial) -> bool {
-    return (raw.flags & MATERIAL_INSIDE) != 0u;
+    return may_have(FEATURE_INSIDES) && (raw.flags & MATERIAL_INSIDE) != 0u;
 }
 
 fn is_smooth(material: Material) -> bool {
-    return material.alpha.x == 0.0;
+    return !may_have(FEATURE_ROUGHNESS) || material.alpha.x == 0.0;
 }
 
 /// Whether what it transmits is bent, into an inside.
 fn bends(material: Material) -> bool {
-    return (material.flags & MATERIAL_INSIDE) != 0u;
+    return may_have(FEATURE_INSIDES) && (material.flags & MATERIAL_INSIDE) != 0u;
 }
 
 /// A material with nothing but what all kinds have.
@@ -158,7 +158,7 @@ fn plain_material(raw: RawMaterial) -> Material {
 /// Everything that follows from a record, with the curves for its α and index.
 fn finish_material(raw: RawMaterial, curves: Albedos) -> Material {
     var material = plain_material(raw);
-    if (raw.kind == SURFACE_DIFFUSE) {
+    if (!may_have(FEATURE_INTERFACES) || raw.kind == SURFACE_DIFFUSE) {
         return material;
     }
     material.flags = raw.flags;
@@ -168,11 +168,22 @@ fn finish_material(raw: RawMaterial, curves: Albedos) -> Material {
     if (!is_smooth(material)) {
         material.flags |= MATERIAL_CONNECTIBLE;
     }
-    switch raw.kind {
-        case SURFACE_CONDUCTOR: { return finish_conductor(raw, material); }
-        case SURFACE_DIELECTRIC: { return finish_dielectric(raw, material); }
-        case SURFACE_PLASTIC: { return finish_plastic(raw, material); }
-        case SURFACE_METALLIC_ROUGHNESS: { return finish_metallic(raw, material); }
-        default: { return material; }
+    if (is_kind(raw.kind, SURFACE_CONDUCTOR, FEATURE_CONDUCTOR)) {
+        return finish_conductor(raw, material);
     }
+    if (is_kind(raw.kind, SURFACE_DIELECTRIC, FEATURE_DIELECTRIC)) {
+        return finish_dielectric(raw, material);
+    }
+    if (is_kind(raw.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
+        return finish_plastic(raw, material);
+    }
+    if (is_kind(raw.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
+        return finish_metallic(raw, material);
+    }
+    return material;
+}
+
+/// Whether a surface is of a kind that the scene may have.
+fn is_kind(kind: u32, wanted: u32, feature: u32) -> bool {
+    return may_have(feature) && kind == wanted;
 }

@@ -48,6 +48,8 @@ pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions:
 pub(super) struct SurfacesAt {
     pub surfaces: u32,
     pub instances: u32,
+    /// Whether any triangle has attributes.
+    pub has_attributes: bool,
 }
 
 /// What shading needs of each triangle: surfaces, their attributes, instances.
@@ -64,10 +66,11 @@ pub(super) fn pack_surfaces(world: &World<'_>, lights: &Lights, words: &mut Vec<
             words[surfaces + triangle as usize * k::SURFACE_STRIDE as usize + 1][3] = index;
         }
     }
+    let has_attributes = !packer.attributes.is_empty();
     words.append(&mut packer.attributes);
     let instances = words.len();
     pack_instances(world, words);
-    SurfacesAt { surfaces: surfaces as u32, instances: instances as u32 }
+    SurfacesAt { surfaces: surfaces as u32, instances: instances as u32, has_attributes }
 }
 
 fn meshes<'a>(world: &World<'a>) -> impl Iterator<Item = PlacedMesh<'a>> {

@@ -20,7 +20,10 @@ use self::{
     slots::pack_slots,
     textures::{PackedImages, TextureTable, mean_color, srgb_table},
 };
-use crate::{RenderError, environment::EnvironmentMap, lights::Lights, medium::MediumFinder, world::World};
+use crate::{
+    RenderError, environment::EnvironmentMap, features::scene_features, lights::Lights, medium::MediumFinder,
+    world::World,
+};
 
 /// A vec4 as bits, so that no float move touches an integer.
 type Word4 = [u32; 4];
@@ -65,6 +68,8 @@ pub struct PackedScene {
     pub slots_at: u32,
     /// The medium that the camera is in, or the kernels' NONE.
     pub camera_medium: u32,
+    /// What kernels need for all this: `FEATURE_*` in WGSL.
+    pub features: u32,
 }
 
 impl PackedScene {
@@ -114,6 +119,14 @@ impl PackedScene {
             camera.position(),
             camera.world_from_camera.transform_vector3(Vec3::NEG_Z),
         );
+        let set = [
+            (!world.placed().is_empty(), k::FEATURE_INSTANCES),
+            (at.has_attributes, k::FEATURE_ATTRIBUTES),
+            (!textures.words().is_empty(), k::FEATURE_TEXTURES),
+            (rng_table.is_some(), k::FEATURE_RANDOM_TABLE),
+        ];
+        let features =
+            set.iter().filter(|(has, _)| *has).fold(scene_features(scene), |all, (_, bit)| all | bit);
         let first_ids: Vec<u32> = world.placed().iter().map(|part| part.first_id).collect();
         Ok(Self {
             triangles: pack_triangles(&two_level, &world, &positions),
@@ -134,6 +147,7 @@ impl PackedScene {
             srgb_at,
             slots_at,
             camera_medium,
+            features,
         })
     }
 }

@@ -12,7 +12,7 @@ use super::{
 };
 
 /// A material's record: a texture and its channel for each input (`SLOT_*` in WGSL), then the scale of
-/// the normal map, opacity, cutoff and mode.
+/// the normal map, opacity, cutoff, and the mode with a bit for each slot to be looked up.
 pub type Slots = [Word4; k::SLOTS_STRIDE as usize];
 
 /// Collects a material's textures.
@@ -33,26 +33,23 @@ pub fn pack_slots(
     let mut writer = Writer { words: [k::NONE; k::N_SLOTS as usize], scene, images, table };
     writer.surface(&material.surface);
     writer.color(k::SLOT_EMISSION, &material.emission);
-    let textured = writer.words.iter().any(|word| *word != k::NONE);
     let scale = material.normal_map.as_ref().map_or(0.0, |map| {
         writer.texture(k::SLOT_NORMAL, &map.texture, Channel::R);
         map.scale
     });
+    let textured = writer.textured();
     let (opacity, cutoff, mode) = match &material.opacity {
         _ if is_absent(material) => (0.0, 0.0, k::OPACITY_BLEND),
         Opacity::Opaque => (1.0, 0.0, k::OPACITY_NONE),
         Opacity::Mask(input, cutoff) => (writer.scalar(k::SLOT_OPACITY, input), *cutoff, k::OPACITY_MASK),
         Opacity::Blend(input) => (writer.scalar(k::SLOT_OPACITY, input), 0.0, k::OPACITY_BLEND),
     };
-    let flags = [
-        (textured, k::MATERIAL_TEXTURED),
-        (material.normal_map.is_some(), k::MATERIAL_NORMAL_MAP),
-        (mode != k::OPACITY_NONE, k::MATERIAL_CUTOUT),
-    ];
+    let flags = [(textured != 0, k::MATERIAL_TEXTURED), (mode != k::OPACITY_NONE, k::MATERIAL_CUTOUT)];
     let flags = flags.iter().filter(|(set, _)| *set).fold(0, |all, (_, flag)| all | flag);
     let mut record = Slots::default();
     record.as_flattened_mut()[..writer.words.len()].copy_from_slice(&writer.words);
-    record[k::SLOTS_STRIDE as usize - 1] = [scale.to_bits(), opacity.to_bits(), cutoff.to_bits(), mode];
+    record[k::SLOTS_STRIDE as usize - 1] =
+        [scale.to_bits(), opacity.to_bits(), cutoff.to_bits(), mode | textured << k::OPACITY_BITS];
     (record, flags)
 }
 
@@ -62,6 +59,15 @@ pub fn is_absent(material: &Material) -> bool {
 }
 
 impl Writer<'_> {
+    /// A bit for each slot that has a texture.
+    fn textured(&self) -> u32 {
+        self.words
+            .iter()
+            .enumerate()
+            .filter(|(_, word)| **word != k::NONE)
+            .fold(0, |all, (i, _)| all | 1 << i)
+    }
+
     fn texture(&mut self, slot: u32, texture: &Texture, channel: Channel) {
         let channel = match channel {
             Channel::R => 0,

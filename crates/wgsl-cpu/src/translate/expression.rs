@@ -58,6 +58,10 @@ impl FunctionWriter<'_> {
                 Some(_) => Ok(Text::atom(self.names.constant(constant))),
                 None => literal::constant(self.module, self.names, self.module.constants[constant].init),
             },
+            Expression::Override(value) => match self.module.overrides[value].init {
+                Some(default) => literal::constant(self.module, self.names, default),
+                None => Err(Unsupported::new("a pipeline override without a default", naga::Span::UNDEFINED)),
+            },
             Expression::ZeroValue(ty) => {
                 Ok(Text::atom(format!("rt::zero::<{}>()", rust_type(self.module, self.names, ty)?)))
             }
@@ -340,7 +344,6 @@ fn vector_binary(op: BinaryOperator, a: &Text, b: &Text) -> Text {
 /// What an expression that kernels cannot have is called.
 fn construct(expression: &Expression) -> &'static str {
     match expression {
-        Expression::Override(_) => "a pipeline override",
         Expression::ImageSample { .. } | Expression::ImageLoad { .. } | Expression::ImageQuery { .. } => {
             "a texture"
         }

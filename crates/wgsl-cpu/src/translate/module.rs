@@ -23,8 +23,9 @@ use super::{
 
 /// Translates a valid module.
 pub(super) fn translate(wgsl: &str, module: &Module, info: &ModuleInfo) -> Result<Translation> {
-    if let Some((handle, _)) = module.overrides.iter().next() {
-        return Err(Unsupported::new("a pipeline override", module.overrides.get_span(handle)));
+    if let Some((handle, _)) = module.overrides.iter().find(|(_, value)| value.init.is_none()) {
+        let span = module.overrides.get_span(handle);
+        return Err(Unsupported::new("a pipeline override without a default", span));
     }
     let entry = entry_info(wgsl, module)?;
     let writer = ModuleWriter::new(module, info, entry.as_ref());

@@ -181,6 +181,7 @@ pub(super) fn is_trivial(expression: &Expression) -> bool {
         expression,
         Expression::Literal(_)
             | Expression::Constant(_)
+            | Expression::Override(_)
             | Expression::ZeroValue(_)
             | Expression::FunctionArgument(_)
             | Expression::GlobalVariable(_)

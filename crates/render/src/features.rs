@@ -1,0 +1,61 @@
+//! What a scene needs of the kernels (`lib/features.wgsl`): a GPU compiles them without the rest.
+
+use midway_kernels::constants as k;
+use midway_scene::{LightKind, Material, MetallicRoughness, Opacity, Roughness, ScalarInput, Scene, Surface};
+
+/// The bits of `FEATURE_*` of everything that a scene has. What textures may make of a value counts as
+/// there. Not of the scene's data alone: whether meshes are placed, have attributes, and whether there
+/// are pre-generated numbers is for who packs them to say.
+pub(crate) fn scene_features(scene: &Scene) -> u32 {
+    let materials = scene.materials.iter().map(material_features);
+    let lights = scene.lights.iter().map(|light| match light.kind {
+        LightKind::Point { .. } | LightKind::Spot { .. } => k::FEATURE_POINT_LIGHTS,
+        LightKind::Directional { .. } => k::FEATURE_DIRECTIONAL_LIGHTS,
+    });
+    let environment = if scene.environment.is_some() { k::FEATURE_ENVIRONMENT } else { 0 };
+    materials.chain(lights).fold(environment, |all, features| all | features)
+}
+
+fn material_features(material: &Material) -> u32 {
+    // A surface that is not there is one with holes everywhere (`is_absent`).
+    let cutout = material.opacity != Opacity::Opaque || material.surface == Surface::Null;
+    let inside = if material.surface.has_inside() { k::FEATURE_INSIDES } else { 0 };
+    surface_features(&material.surface) | inside | if cutout { k::FEATURE_CUTOUTS } else { 0 }
+}
+
+fn surface_features(surface: &Surface) -> u32 {
+    let interface = |kind, roughness: &Roughness, transmits: bool| {
+        kind | k::FEATURE_INTERFACES | rough(roughness, transmits)
+    };
+    match surface {
+        Surface::Diffuse { .. } => 0,
+        Surface::Conductor { roughness, .. } => interface(k::FEATURE_CONDUCTOR, roughness, false),
+        Surface::Dielectric { roughness, .. } => interface(k::FEATURE_DIELECTRIC, roughness, true),
+        Surface::Plastic { roughness, .. } => interface(k::FEATURE_PLASTIC, roughness, false),
+        Surface::MetallicRoughness(model) => metallic_roughness(model),
+        Surface::Null => k::FEATURE_INTERFACES,
+    }
+}
+
+fn rough(roughness: &Roughness, transmits: bool) -> u32 {
+    if roughness.is_smooth() {
+        return 0;
+    }
+    let transmission = if transmits { k::FEATURE_TRANSMISSION } else { 0 };
+    let anisotropy = if roughness.along == roughness.across { 0 } else { k::FEATURE_ANISOTROPY };
+    k::FEATURE_ROUGHNESS | transmission | anisotropy
+}
+
+fn metallic_roughness(model: &MetallicRoughness) -> u32 {
+    let positive = |input: &ScalarInput| input.value > 0.0;
+    let layers = positive(&model.clearcoat) || model.sheen_color.value.max_element() > 0.0;
+    let set = [
+        (true, k::FEATURE_METALLIC_ROUGHNESS | k::FEATURE_INTERFACES),
+        (positive(&model.roughness) || positive(&model.anisotropy), k::FEATURE_ROUGHNESS),
+        (positive(&model.anisotropy), k::FEATURE_ANISOTROPY),
+        (positive(&model.transmission), k::FEATURE_TRANSMISSION),
+        // A rough coat is of facets too, and lies over what may be smooth.
+        (layers, k::FEATURE_LAYERS),
+    ];
+    set.iter().filter(|(has, _)| *has).fold(0, |all, (_, feature)| all | feature)
+}
