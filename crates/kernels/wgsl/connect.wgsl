@@ -34,7 +34,7 @@ fn connect(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (!is_connectible(vertex.material) || !may_join(path, vertex)) {
         return;
     }
-    let drawn = draw_light_path(id, path);
+    let drawn = draw_light_path(path);
     let n_joins = join_count(drawn);
     let end = min(path.joined + CONNECTIONS_PER_BOUNCE, n_joins);
     for (var j = path.joined; j < end; j += 1u) {

@@ -1,5 +1,6 @@
-// Turns the queue round after a bounce: what was written is read next. Also hands the light
-// vertices appended meanwhile to connect_camera, where they last one bounce only.
+// Turns the queue round after a bounce: what was written is read next. Also hands the shadow rays
+// pushed meanwhile to trace_shadow, and the light vertices appended to connect_camera, where they last
+// one bounce only.
 // One invocation in all. Writes: counters, dispatch_args.
 
 #include "bindings/params.wgsl"
@@ -17,6 +18,7 @@ fn plan_queue(@builtin(global_invocation_id) invocation: vec3<u32>) {
     atomicStore(&counters[COUNT_PARITY], 1u - atomicLoad(&counters[COUNT_PARITY]));
     write_grid(ARGS_QUEUE, length);
     count_rays(length);
+    plan_shadow_rays();
     if (params.append_transient != 0u) {
         let n_vertices = atomicLoad(&counters[COUNT_VERTICES]);
         atomicStore(&counters[COUNT_SPLAT_FIRST], 0u);

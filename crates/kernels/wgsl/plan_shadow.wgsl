@@ -10,9 +10,5 @@ fn plan_shadow(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (invocation_index(invocation) != 0u) {
         return;
     }
-    let length = atomicLoad(&counters[COUNT_SHADOW]);
-    atomicStore(&counters[COUNT_SHADOW_TRACE], length);
-    atomicStore(&counters[COUNT_SHADOW], 0u);
-    write_grid(ARGS_SHADOW, length);
-    count_rays(length);
+    plan_shadow_rays();
 }

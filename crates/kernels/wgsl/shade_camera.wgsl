@@ -1,8 +1,8 @@
 // At each vertex of a camera subpath: light found by hitting it (s = 0), light sampled afresh
 // (s = 1), roulette, and the next direction.
 // One invocation: one queued path. Reads: scene, paths, queues. Writes: paths, queues, shadow_rays,
-// film. Leaves: in the queue's write half the paths that go on, and those that `connect` has not
-// finished with, unchanged.
+// film. Leaves: in the queue's write half the paths that go on, those that `connect` has not finished
+// with, unchanged, and in the slots of those that ended the next of the batch.
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
@@ -15,6 +15,7 @@
 #include "bindings/film.wgsl"
 #include "bindings/vertex.wgsl"
 #include "bindings/light_join.wgsl"
+#include "bindings/start_camera.wgsl"
 
 @compute @workgroup_size(64)
 fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
@@ -28,12 +29,25 @@ fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
         push_path(id);
         return;
     }
+    if (shade(id, path)) {
+        push_path(id);
+        return;
+    }
+    let waiting = take_place();
+    if (waiting != NONE) {
+        start_camera_path(id, waiting);
+        push_path(id);
+    }
+}
+
+/// Whether the path goes on.
+fn shade(id: u32, path: Path) -> bool {
     let hit = load_hit(id);
     if (hit.triangle == NONE) {
         if (may_have(FEATURE_ENVIRONMENT) && params.environment_at != NONE && has_flag(FLAG_HIT)) {
             add_environment(path);
         }
-        return;
+        return false;
     }
     let vertex = arrive(path, hit);
     let t = path.depth + 2u; // with the lens and this vertex
@@ -45,14 +59,15 @@ fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     let u = scatter_numbers(path, 0u);
     if (u.w >= vertex.survival || !length_allowed(0u, t + 1u)) {
-        return;
+        return false;
     }
     let factor = camera_previous_factor(mis_config(), t, vertex.mis, vertex.ending);
     let next = scatter(path, vertex, factor, u.xyz, TRANSPORT_RADIANCE);
-    if (contributes(next.throughput)) {
-        store_path(id, next);
-        push_path(id);
+    if (!contributes(next.throughput)) {
+        return false;
     }
+    store_path(id, next);
+    return true;
 }
 
 /// Strategy (0, t): the path hit a light.

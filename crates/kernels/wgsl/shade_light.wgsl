@@ -1,15 +1,15 @@
 // At each vertex of a light subpath: keep it for joins, roulette, the next direction.
 // One invocation: one queued path. Reads: scene, paths, queues. Writes: paths, queues,
-// light_vertices, light_paths. Leaves: in the queue's write half the paths that go on.
+// light_vertices, light_paths. Leaves: in the queue's write half the paths that go on, and in the
+// slots of those that ended the next of the batch.
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/shaded.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
-#include "bindings/light_vertices.wgsl"
-#include "bindings/light_store.wgsl"
 #include "bindings/vertex.wgsl"
+#include "bindings/start_light.wgsl"
 
 @compute @workgroup_size(64)
 fn shade_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
@@ -18,33 +18,42 @@ fn shade_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
         return;
     }
     let id = queued_path(place);
-    let path = load_path(id);
+    if (shade(id, load_path(id))) {
+        push_path(id);
+    } else {
+        next_light_path(id);
+    }
+}
+
+/// Whether the path goes on.
+fn shade(id: u32, path: Path) -> bool {
     let hit = load_hit(id);
-    if (hit.triangle == NONE) {
-        return;
+    if (hit.triangle == NONE || !any(path.throughput != vec3<f32>(0.0))) {
+        return false;
     }
     let vertex = arrive(path, hit);
     let s = path.depth + 2u; // with y_0 and this vertex
     if (!length_allowed(s, 1u)) {
-        return;
+        return false;
     }
     let connectible = is_connectible(vertex.material);
     let stored = LightVertex(vertex.surface.position, hit.triangle, vertex.throughput, vertex.mis.dvcm,
         vertex.wo, vertex.mis.dvc, hit.u, hit.v, bitcast<u32>(vertex.mis.ending), s);
     if (connectible) {
-        keep_light_vertex(id, path, stored);
+        keep_light_vertex(path, stored);
     }
     let u = scatter_numbers(path, DRAW_LIGHT);
     if (u.w >= vertex.survival) {
         if (connectible) {
-            end_light_path(id, stored);
+            end_light_path(light_path_slot(path), stored);
         }
-        return;
+        return false;
     }
     let factor = light_previous_factor(mis_config(), s, vertex.mis, vertex.ending);
     let next = scatter(path, vertex, factor, u.xyz, TRANSPORT_IMPORTANCE);
-    if (any(next.throughput != vec3<f32>(0.0))) {
-        store_path(id, next);
-        push_path(id);
+    if (!any(next.throughput != vec3<f32>(0.0))) {
+        return false;
     }
+    store_path(id, next);
+    return true;
 }

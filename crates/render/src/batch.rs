@@ -21,8 +21,13 @@ const BATCH_COUNTERS: usize = k::COUNT_RAYS_LOW as usize;
 /// How large a lane's buffers are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LaneSize {
-    /// Paths in flight at most.
+    /// Paths in flight at most: slots.
     pub n_paths: u32,
+    /// Places that a batch fills them with, at most: whoever ends hands its slot on, so that there is
+    /// one thin tail of bounces for all of them.
+    pub n_places: u32,
+    /// Shadow rays that a slot may push in a bounce.
+    pub n_shadow_rays: u32,
     /// Slots of light vertices before the appended ones.
     pub append_at: u32,
     /// Light vertices that can be appended.
@@ -35,7 +40,7 @@ impl LaneSize {
     }
 
     fn shadow_capacity(&self) -> u32 {
-        self.n_paths * (k::CONNECTIONS_PER_BOUNCE + 1)
+        self.n_paths * self.n_shadow_rays
     }
 
     fn shadow_bytes(&self) -> u64 {
@@ -53,7 +58,7 @@ impl LaneSize {
         plan.scaling("shadow rays", lanes * self.shadow_bytes());
         if own_vertices {
             plan.scaling("light vertices", lanes * self.vertex_bytes());
-            plan.scaling("light paths", lanes * u64::from(self.n_paths) * 8);
+            plan.scaling("light paths", lanes * u64::from(self.n_places) * 8);
         }
     }
 }
@@ -151,7 +156,7 @@ impl Lane {
         add("shadow_rays", size.shadow_bytes(), BufferUsage::Storage)?;
         if own_vertices {
             add("light_vertices", size.vertex_bytes(), BufferUsage::Storage)?;
-            add("light_paths", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
+            add("light_paths", u64::from(size.n_places) * 8, BufferUsage::Storage)?;
         }
         let bind = |name| set.bind(device, pipelines, name);
         let bind_if = |used: bool, name| used.then(|| bind(name)).transpose();
@@ -193,6 +198,7 @@ impl Lane {
     /// which may be more than there was room for.
     pub fn trace_light_paths(&self, device: &dyn Device, params: &Params) -> Result<u32, RenderError> {
         let Some(light) = &self.light else { return Ok(0) };
+        let params = &Params { n_paths: params.n_paths.min(params.n_places), ..*params };
         self.begin(device, params, 0)?;
         let mut turn = vec![dispatch(&self.plan_queue, 1)];
         if let Some(connect_camera) = self.connect_camera.as_ref().filter(|_| params.append_transient != 0) {
@@ -233,6 +239,7 @@ impl Lane {
     /// Traces the camera subpaths of `params`' batch, joined to the light vertices kept.
     pub fn trace_camera_paths(&self, device: &dyn Device, params: &Params) -> Result<(), RenderError> {
         let Some(camera) = &self.camera else { return Ok(()) };
+        let params = &Params { n_paths: params.n_paths.min(params.n_places), ..*params };
         self.begin(device, params, params.n_paths)?;
         let start = vec![dispatch(&camera.generate, params.n_paths), dispatch(&self.plan_queue, 1)];
         let mut bounce = vec![dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE)];
@@ -240,8 +247,8 @@ impl Lane {
             bounce.push(dispatch_indirect(connect, &self.args, k::ARGS_QUEUE));
         }
         bounce.push(dispatch_indirect(&camera.shade, &self.args, k::ARGS_QUEUE));
-        bounce.push(dispatch(&self.plan_queue, 1));
-        bounce.extend(self.shadow_commands());
+        bounce.push(dispatch(&self.plan_queue, 1)); // plans shadow rays too
+        bounce.push(dispatch_indirect(&self.trace_shadow, &self.args, k::ARGS_SHADOW));
         self.run_until_empty(device, start, &bounce)
     }
 
@@ -256,11 +263,12 @@ impl Lane {
 
     /// Writes a batch's constants and counters; `queued` paths will be in the queue's write half.
     fn begin(&self, device: &dyn Device, params: &Params, queued: u32) -> Result<(), RenderError> {
-        debug_assert!(params.n_paths <= self.size.n_paths);
+        debug_assert!(params.n_paths <= self.size.n_paths && params.n_places <= self.size.n_places);
         device.write_buffer(&self.params, 0, bytemuck::bytes_of(params))?;
         let mut counters = [0u32; BATCH_COUNTERS];
         counters[k::COUNT_OUT as usize] = queued;
         counters[k::COUNT_PARITY as usize] = 1;
+        counters[k::COUNT_NEXT as usize] = params.n_paths;
         device.write_buffer(&self.counters, 0, bytemuck::cast_slice(&counters))?;
         Ok(())
     }
@@ -296,7 +304,7 @@ impl Lane {
 fn bounces_per_run(device: &dyn Device) -> usize {
     match device.info().kind {
         midway_device::DeviceKind::Cpu => 1,
-        midway_device::DeviceKind::Gpu | midway_device::DeviceKind::SoftwareGpu => 8,
+        midway_device::DeviceKind::Gpu | midway_device::DeviceKind::SoftwareGpu => 16,
     }
 }
 

@@ -29,10 +29,11 @@ const PILOT_PATHS: u32 = 16_384;
 const PILOT_SEED: u32 = 0x9170_7001;
 
 /// A GPU's list of commands aims to last at least this long, so that little time goes to waiting…
-const RUN_TARGET: Duration = Duration::from_millis(20);
-/// … and at most this long, so that a desktop's watchdog never fires.
-const RUN_LIMIT: Duration = Duration::from_millis(50);
-/// Paths of a GPU's first batch, before anything was measured.
+const RUN_TARGET: Duration = Duration::from_millis(40);
+/// … and at most this long: of the many dispatches in it none then lasts 50 ms, and a desktop's
+/// watchdog never fires.
+const RUN_LIMIT: Duration = Duration::from_millis(100);
+/// Paths in flight of a GPU's first batch, before anything was measured.
 const FIRST_BATCH: u32 = 16_384;
 
 /// What a render has done so far.
@@ -50,6 +51,14 @@ pub struct RenderStats {
     pub n_light_paths: u32,
 }
 
+/// Places of a pass that a lane works through at a time, with this many paths in flight at most.
+#[derive(Clone, Copy, Debug)]
+struct Batch {
+    first: u32,
+    n_paths: u32,
+    n_places: u32,
+}
+
 /// Renders one scene with one set of settings, progressively.
 pub struct Renderer {
     device: Arc<dyn Device>,
@@ -65,7 +74,7 @@ pub struct Renderer {
     aovs: Aovs,
     mean_light_vertices: f32,
     samples: u64,
-    /// Paths of the next batch, by how long the last ones took.
+    /// Paths in flight of the next batch, by how long the last ones took.
     batch: AtomicU32,
 }
 
@@ -184,8 +193,9 @@ impl Renderer {
         }
         if self.settings.integrator.uses_camera_paths() || self.pool.is_none() {
             let n_places = params.n_pixels * n_samples;
-            self.for_each_batch(n_places, |device, lane, first, n| {
-                self.render_batch(device, lane, Params { first_path: first, n_paths: n, ..params })
+            self.for_each_batch(n_places, |device, lane, batch| {
+                let Batch { first: first_path, n_paths, n_places } = batch;
+                self.render_batch(device, lane, Params { first_path, n_paths, n_places, ..params })
             })?;
         }
         self.aovs.measure(&*self.device, &params, n_samples)?;
@@ -256,8 +266,8 @@ impl Renderer {
         if self.pool.is_some() {
             return 1;
         }
-        let in_flight = self.lanes.iter().map(|lane| lane.size().n_paths).sum::<u32>();
-        (in_flight / self.base.n_pixels).max(1)
+        let places = self.lanes.iter().map(|lane| lane.size().n_places).sum::<u32>();
+        (places / self.base.n_pixels).max(1)
     }
 
     /// Light and camera subpaths of one batch; in halves where the light paths did not fit.
@@ -282,13 +292,13 @@ impl Renderer {
     }
 
     fn render_halves(&self, device: &dyn Device, lane: &Lane, params: Params) -> Result<(), RenderError> {
-        if params.n_paths == 1 {
+        if params.n_places == 1 {
             return Err(RenderError::PathTooLong { capacity: params.append_capacity });
         }
-        let half = params.n_paths / 2;
-        self.render_batch(device, lane, Params { n_paths: half, ..params })?;
-        let (first_path, n_paths) = (params.first_path + half, params.n_paths - half);
-        self.render_batch(device, lane, Params { first_path, n_paths, ..params })
+        let half = params.n_places / 2;
+        self.render_batch(device, lane, Params { n_places: half, ..params })?;
+        let (first_path, n_places) = (params.first_path + half, params.n_places - half);
+        self.render_batch(device, lane, Params { first_path, n_places, ..params })
     }
 
     /// Where a lane of its own appends light vertices.
@@ -315,11 +325,13 @@ impl Renderer {
             let end = params.n_light_paths.min((index as u32 + 1) * lane_paths);
             let mut first = index as u32 * lane_paths;
             while first < end {
-                let n = self.batch.load(Ordering::Relaxed).min(end - first);
+                let Batch { n_paths, n_places, .. } = self.next_batch(lane);
+                let n = n_places.min(end - first);
                 let at = used[index].load(Ordering::Relaxed);
                 let batch = Params {
                     first_path: first,
-                    n_paths: n,
+                    n_paths,
+                    n_places: n,
                     append_at: region + at,
                     append_capacity: size.append_capacity - at,
                     append_transient: u32::from(!keeps_all),
@@ -335,7 +347,7 @@ impl Renderer {
                     }
                     used[index].fetch_add(n_vertices, Ordering::Relaxed);
                 }
-                self.adapt_batch(n, lane);
+                self.adapt_batch(n_paths, lane);
                 first += n;
             }
             Ok(())
@@ -350,20 +362,28 @@ impl Renderer {
     fn for_each_batch(
         &self,
         n_places: u32,
-        run: impl Fn(&dyn Device, &Lane, u32, u32) -> Result<(), RenderError> + Sync,
+        run: impl Fn(&dyn Device, &Lane, Batch) -> Result<(), RenderError> + Sync,
     ) -> Result<(), RenderError> {
         let next = AtomicU32::new(0);
         self.for_each_lane(|device, _, lane| {
             loop {
-                let n = self.batch.load(Ordering::Relaxed);
-                let claim = |first: u32| (first < n_places).then(|| first + n.min(n_places - first));
+                let most = self.next_batch(lane);
+                let claim =
+                    |first: u32| (first < n_places).then(|| first + most.n_places.min(n_places - first));
                 let Ok(first) = next.fetch_update(Ordering::Relaxed, Ordering::Relaxed, claim) else {
                     return Ok(());
                 };
-                run(device, lane, first, n.min(n_places - first))?;
-                self.adapt_batch(n, lane);
+                run(device, lane, Batch { first, n_places: most.n_places.min(n_places - first), ..most })?;
+                self.adapt_batch(most.n_paths, lane);
             }
         })
+    }
+
+    /// How large a lane's next batch may be.
+    fn next_batch(&self, lane: &Lane) -> Batch {
+        let n_paths = self.batch.load(Ordering::Relaxed);
+        let size = lane.size();
+        Batch { first: 0, n_paths, n_places: n_paths * (size.n_places / size.n_paths) }
     }
 
     /// Doubles or halves a GPU's batch by how long its lists of commands took; any batch gives the
@@ -428,11 +448,18 @@ fn measure_light_vertices(
     shared: &BufferSet,
     base: &Params,
 ) -> Result<f32, RenderError> {
-    let size = LaneSize { n_paths: PILOT_PATHS, append_at: 0, append_capacity: 0 };
+    let size = LaneSize {
+        n_paths: PILOT_PATHS,
+        n_places: PILOT_PATHS,
+        n_shadow_rays: 1,
+        append_at: 0,
+        append_capacity: 0,
+    };
     let lane = Lane::new(device, pipelines, shared, size, LaneUses::light_paths(), true)?;
     let params = Params {
         seed: PILOT_SEED,
         n_paths: PILOT_PATHS,
+        n_places: PILOT_PATHS,
         n_light_paths: PILOT_PATHS,
         join: k::JOIN_FULL,
         flags: base.flags & !(k::FLAG_POOL | k::FLAG_SPLAT),

@@ -3,12 +3,19 @@
 use midway_device::{DeviceInfo, DeviceKind, MemoryPlan};
 use midway_kernels::constants as k;
 
-use crate::{Join, PackedScene, RenderError, RenderSettings, aov, batch::LaneSize, pool::PoolSize};
+use crate::{
+    IntegratorSettings, Join, PackedScene, RenderError, RenderSettings, aov, batch::LaneSize, pool::PoolSize,
+};
 
 /// Light vertices are given this much more room than the pilot's mean asks for.
 const VERTEX_ROOM: f64 = 1.25;
 /// And this many more, for small batches.
 const VERTEX_ROOM_LEAST: u32 = 1024;
+/// Places of a batch for each path in flight: the more, the less the thin tail of its last bounces
+/// weighs…
+const PLACES: u32 = 8;
+/// … but where each place keeps light vertices, memory grows with them.
+const PLACES_WITH_VERTICES: u32 = 4;
 /// Batches smaller than this are not tried on a device that is too small.
 const SMALLEST_BATCH: u32 = 4096;
 
@@ -35,13 +42,19 @@ impl Sizes {
         n_lanes: u32,
         shared: &MemoryPlan,
     ) -> Result<Self, RenderError> {
-        let mut n_paths = match device.kind {
-            DeviceKind::Cpu => 1024,
-            DeviceKind::SoftwareGpu => 16_384,
-            DeviceKind::Gpu => 1 << 20,
+        let integrator = &settings.integrator;
+        let keeps_vertices = integrator.joins().is_some() && !integrator.uses_pool();
+        let (mut n_paths, places_per_path) = match device.kind {
+            // A batch's end is no thinner than its middle there, and its buffers are to stay in caches.
+            DeviceKind::Cpu => (1024, 1),
+            DeviceKind::SoftwareGpu => (16_384, PLACES_WITH_VERTICES),
+            DeviceKind::Gpu if keeps_vertices => (1 << 19, PLACES_WITH_VERTICES),
+            DeviceKind::Gpu => (1 << 20, PLACES),
         };
         loop {
-            let sizes = Self::of(n_paths, settings, mean_light_vertices, n_light_paths, n_lanes, shared);
+            let n_places = n_paths * places_per_path;
+            let sizes =
+                Self::of([n_paths, n_places], settings, mean_light_vertices, n_light_paths, n_lanes, shared);
             match sizes.plan.check(device) {
                 Ok(()) => return Ok(sizes),
                 Err(error) if n_paths <= SMALLEST_BATCH => return Err(error.into()),
@@ -51,7 +64,7 @@ impl Sizes {
     }
 
     fn of(
-        n_paths: u32,
+        [n_paths, n_places]: [u32; 2],
         settings: &RenderSettings,
         mean_light_vertices: f32,
         n_light_paths: u32,
@@ -59,7 +72,7 @@ impl Sizes {
         shared: &MemoryPlan,
     ) -> Self {
         let uses_pool = settings.integrator.uses_pool();
-        let lane = lane_size(n_paths, settings, mean_light_vertices, n_light_paths, n_lanes);
+        let lane = lane_size([n_paths, n_places], settings, mean_light_vertices, n_light_paths, n_lanes);
         let pool = uses_pool.then(|| PoolSize {
             n_paths: n_light_paths,
             n_vertices: reserved_slots(settings, n_light_paths) + lane.append_capacity * n_lanes,
@@ -74,7 +87,7 @@ impl Sizes {
 }
 
 fn lane_size(
-    n_paths: u32,
+    [n_paths, n_places]: [u32; 2],
     settings: &RenderSettings,
     mean_light_vertices: f32,
     n_light_paths: u32,
@@ -85,13 +98,25 @@ fn lane_size(
     };
     let integrator = &settings.integrator;
     let append_capacity = match (integrator.joins(), integrator.uses_pool()) {
-        (Some(Join::Full), false) => room(n_paths),
+        (Some(Join::Full), false) => room(n_places),
         (Some(Join::Full | Join::KStep), true) => room(n_light_paths.div_ceil(n_lanes)),
-        // Projected at once: one vertex a path and bounce.
-        _ => n_paths,
+        // Projected at once: a slot's vertex, and y_0 of the path that starts there.
+        _ => 2 * n_paths,
     };
-    let append_at = if integrator.uses_pool() { 0 } else { reserved_slots(settings, n_paths) };
-    LaneSize { n_paths, append_at, append_capacity }
+    let append_at = if integrator.uses_pool() { 0 } else { reserved_slots(settings, n_places) };
+    LaneSize { n_paths, n_places, n_shadow_rays: shadow_rays(integrator), append_at, append_capacity }
+}
+
+/// Shadow rays of a path in one bounce, at most: its joins and a light sample, or the projections of two
+/// light vertices.
+fn shadow_rays(integrator: &IntegratorSettings) -> u32 {
+    match integrator.joins() {
+        None if integrator.uses_light_paths() => 2,
+        None => 1,
+        Some(Join::SingleStep) => 2,
+        Some(Join::KStep) => 1 + integrator.k.min(k::CONNECTIONS_PER_BOUNCE),
+        Some(Join::Full) => 1 + k::CONNECTIONS_PER_BOUNCE,
+    }
 }
 
 /// Slots of light vertices that the join needs before the appended ones.

@@ -27,3 +27,12 @@ fn count_rays(n: u32) {
         atomicAdd(&counters[COUNT_RAYS_HIGH], 1u);
     }
 }
+
+/// Hands the shadow rays pushed so far to trace_shadow.
+fn plan_shadow_rays() {
+    let length = atomicLoad(&counters[COUNT_SHADOW]);
+    atomicStore(&counters[COUNT_SHADOW_TRACE], length);
+    atomicStore(&counters[COUNT_SHADOW], 0u);
+    write_grid(ARGS_SHADOW, length);
+    count_rays(length);
+}

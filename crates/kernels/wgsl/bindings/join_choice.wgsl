@@ -53,9 +53,12 @@ fn join_mis_weight(path: Path, vertex: Vertex, stored: LightVertex, y: JoinVerte
 }
 
 /// The light path joined to a camera path: its own, or one of the pool drawn for this vertex.
-fn draw_light_path(id: u32, path: Path) -> u32 {
-    if (!has_flag(FLAG_POOL) || params.join == JOIN_K_STEP) {
-        return id;
+fn draw_light_path(path: Path) -> u32 {
+    if (!has_flag(FLAG_POOL)) {
+        return batch_place(path);
+    }
+    if (params.join == JOIN_K_STEP) {
+        return 0u; // choose_from_pool draws a vertex of any of them
     }
     let bits = random_bits(path.index, path.sample, dimension(DRAW_JOIN, path.depth));
     return uniform_index_bits(bits.x, params.n_light_paths);

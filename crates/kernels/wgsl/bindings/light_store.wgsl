@@ -1,24 +1,15 @@
 // How the join in use keeps the vertices of a light path: all of them, linked (full, pool); a
 // reservoir of K (k-step); or the one where the path ended (single-step).
 
-/// Paths are told apart by pixel and sample, or in a pool by their number and the pass.
-fn light_path_index(id: u32) -> u32 {
-    let place = params.first_path + id;
-    return select(film_pixel(place % params.n_pixels), place, has_flag(FLAG_POOL));
+/// Slot of a light path's own words: in a pool its number, else its place in the batch.
+fn light_path_slot(path: Path) -> u32 {
+    if (has_flag(FLAG_POOL)) {
+        return path.index;
+    }
+    return batch_place(path);
 }
 
-fn light_path_sample(id: u32) -> u32 {
-    let place = params.first_path + id;
-    return params.first_sample + select(place / params.n_pixels, 0u, has_flag(FLAG_POOL));
-}
-
-/// Slot of a light path's own words; in a pool its number, else its slot in the batch.
-fn light_path_slot(id: u32) -> u32 {
-    return select(id, params.first_path + id, has_flag(FLAG_POOL));
-}
-
-fn begin_light_path(id: u32) {
-    let slot = light_path_slot(id);
+fn begin_light_path(slot: u32) {
     light_paths[slot * 2u] = 0u;
     light_paths[slot * 2u + 1u] = select(NONE, 0u, params.join == JOIN_K_STEP && !has_flag(FLAG_POOL));
 }
@@ -35,23 +26,23 @@ fn append_light_vertex(vertex: LightVertex) -> u32 {
 }
 
 /// Uniform reservoir without replacement (Vitter 1985, algorithm R), n the count before this one.
-fn keep_uniform(id: u32, path: Path, vertex: LightVertex, n: u32) {
+fn keep_uniform(slot: u32, path: Path, vertex: LightVertex, n: u32) {
     let bits = random(path.index, path.sample, dimension(DRAW_LIGHT + DRAW_RESERVOIR, path.depth)).x;
     let place = select(uniform_index(bits, n + 1u), n, n < params.k);
     if (place < params.k) {
-        store_light_vertex(id * params.k + place, vertex);
+        store_light_vertex(slot * params.k + place, vertex);
     }
 }
 
 /// K independent reservoirs of one, by importance.
-fn keep_by_importance(id: u32, path: Path, vertex: LightVertex) {
+fn keep_by_importance(slot: u32, path: Path, vertex: LightVertex) {
     let importance = vertex_importance(vertex);
-    let total = bitcast<f32>(light_paths[id * 2u + 1u]) + importance;
-    light_paths[id * 2u + 1u] = bitcast<u32>(total);
+    let total = bitcast<f32>(light_paths[slot * 2u + 1u]) + importance;
+    light_paths[slot * 2u + 1u] = bitcast<u32>(total);
     for (var r = 0u; r < params.k; r += 1u) {
         let u = random(path.index, path.sample, dimension(DRAW_LIGHT + DRAW_RESERVOIR + 1u + r, path.depth)).x;
         if (u * total < importance) {
-            store_light_vertex(id * params.k + r, vertex);
+            store_light_vertex(slot * params.k + r, vertex);
         }
     }
 }
@@ -61,32 +52,32 @@ fn keeps_all() -> bool {
     return params.join == JOIN_FULL || (params.join == JOIN_K_STEP && has_flag(FLAG_POOL));
 }
 
-fn keep_linked(id: u32, vertex: LightVertex) {
-    let slot = light_path_slot(id);
+fn keep_linked(slot: u32, vertex: LightVertex) {
     var linked = vertex;
     linked.link = light_paths[slot * 2u + 1u];
     light_paths[slot * 2u + 1u] = append_light_vertex(linked);
     light_paths[slot * 2u] += 1u;
 }
 
-fn keep_in_reservoir(id: u32, path: Path, vertex: LightVertex) {
-    let n = light_paths[id * 2u];
+fn keep_in_reservoir(slot: u32, path: Path, vertex: LightVertex) {
+    let n = light_paths[slot * 2u];
     if (has_flag(FLAG_IMPORTANCE)) {
-        keep_by_importance(id, path, vertex);
+        keep_by_importance(slot, path, vertex);
     } else {
-        keep_uniform(id, path, vertex, n);
+        keep_uniform(slot, path, vertex, n);
     }
-    light_paths[id * 2u] = n + 1u;
+    light_paths[slot * 2u] = n + 1u;
 }
 
 /// A connectible vertex with s >= 2 of a light path under way.
-fn keep_light_vertex(id: u32, path: Path, vertex: LightVertex) {
+fn keep_light_vertex(path: Path, vertex: LightVertex) {
+    let slot = light_path_slot(path);
     if (keeps_all()) {
-        keep_linked(id, vertex);
+        keep_linked(slot, vertex);
         return;
     }
     if (params.join == JOIN_K_STEP) {
-        keep_in_reservoir(id, path, vertex);
+        keep_in_reservoir(slot, path, vertex);
     }
     if (has_flag(FLAG_SPLAT)) {
         _ = append_light_vertex(vertex);
@@ -94,9 +85,8 @@ fn keep_light_vertex(id: u32, path: Path, vertex: LightVertex) {
 }
 
 /// A light path ended by roulette at a connectible vertex.
-fn end_light_path(id: u32, vertex: LightVertex) {
+fn end_light_path(slot: u32, vertex: LightVertex) {
     if (params.join == JOIN_SINGLE_STEP) {
-        let slot = light_path_slot(id);
         light_paths[slot * 2u] = 1u;
         store_light_vertex(slot, vertex);
     }

@@ -38,8 +38,10 @@ struct Params {
     /// The pixel filter: FILTER_*, and its full width in pixels.
     filter_kind: u32,
     filter_width: f32,
-    /// Paths of this batch, and the place of its first one in the pass.
+    /// Slots of paths in flight at once, the places that the batch fills them with, n_paths or more,
+    /// and the first of these in the pass.
     n_paths: u32,
+    n_places: u32,
     first_path: u32,
     first_sample: u32,
     seed: u32,

@@ -50,6 +50,11 @@ fn store_path(id: u32, path: Path) {
     paths[at + 3u] = vec4<f32>(path.mis.dvcm, path.mis.dvc, path.mis.ending, bitcast<f32>(path.medium));
 }
 
+/// The place in the batch of a path that is a pixel sample's.
+fn batch_place(path: Path) -> u32 {
+    return (path.sample - params.first_sample) * params.n_pixels + window_pixel(path.index) - params.first_path;
+}
+
 fn load_hit(id: u32) -> Hit {
     let h = paths[id * PATH_STRIDE + 4u];
     return Hit(h.x, h.y, h.z, bitcast<u32>(h.w));

@@ -15,12 +15,14 @@ const COUNT_SHADOW_TRACE: u32 = 4u;
 const COUNT_VERTICES: u32 = 5u;
 const COUNT_SPLAT_FIRST: u32 = 6u;
 const COUNT_SPLAT_END: u32 = 7u;
+/// The next place of the batch that waits for a slot.
+const COUNT_NEXT: u32 = 8u;
 /// Rays traced in all: two words.
-const COUNT_RAYS_LOW: u32 = 8u;
-const COUNT_RAYS_HIGH: u32 = 9u;
+const COUNT_RAYS_LOW: u32 = 9u;
+const COUNT_RAYS_HIGH: u32 = 10u;
 /// Contributions that were NaN, infinite or negative, and film sums that overflowed.
-const COUNT_REJECTED: u32 = 10u;
-const COUNT_OVERFLOW: u32 = 11u;
+const COUNT_REJECTED: u32 = 11u;
+const COUNT_OVERFLOW: u32 = 12u;
 /// How many counters there are.
 const N_COUNTERS: u32 = 16u;
 
@@ -30,6 +32,14 @@ fn queue_length() -> u32 {
 
 fn queued_path(place: u32) -> u32 {
     return queues[atomicLoad(&counters[COUNT_PARITY]) * params.n_paths + place];
+}
+
+/// A place of the batch that has no path yet, for the slot of one that ended; NONE where all have. So
+/// the queue stays as long as there are slots until the batch runs out of places.
+fn take_place() -> u32 {
+    // Counted beyond n_places once for each slot at most: no wrap-around.
+    let place = atomicAdd(&counters[COUNT_NEXT], 1u);
+    return select(NONE, place, place < params.n_places);
 }
 
 /// Every path is pushed at most once a bounce, so each half holds n_paths.
