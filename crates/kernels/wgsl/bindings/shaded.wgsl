@@ -63,19 +63,40 @@ fn add_textures(plain: RawMaterial, surface: Surface) -> RawMaterial {
         * vec4<f32>(slot_rgba(m, SLOT_SHEEN_COLOR, a, b).xyz, slot_value(m, SLOT_SHEEN_ROUGHNESS, a, b)));
     raw.k_or_coat = saturate(raw.k_or_coat * vec3<f32>(slot_value(m, SLOT_CLEARCOAT, a, b),
         slot_value(m, SLOT_CLEARCOAT_ROUGHNESS, a, b), slot_value(m, SLOT_ANISOTROPY, a, b)));
+    raw.rotation = turned(raw.rotation, surface);
     return raw;
+}
+
+/// A record's rotation, (cos, sin), applied to the direction that its map has at a point.
+fn turned(rotation: vec2<f32>, surface: Surface) -> vec2<f32> {
+    let word = load_slot(surface.material, SLOT_ANISOTROPY_DIRECTION);
+    if (word == NONE) {
+        return rotation;
+    }
+    let texel = sample_texture(word >> 2u, surface.uv0, surface.uv1).xy * 2.0 - vec2<f32>(1.0);
+    let along = texel * map_axes(word >> 2u);
+    let size2 = dot(along, along);
+    if (size2 < 1e-6) {
+        return rotation;
+    }
+    let unit = along * inverseSqrt(size2);
+    return vec2<f32>(rotation.x * unit.x - rotation.y * unit.y, rotation.y * unit.x + rotation.x * unit.y);
+}
+
+/// Signs of a map's axes, right and up, along the tangent and the bitangent: its axes are those of the
+/// image, and where that lies mirrored on the surface, so do they.
+fn map_axes(texture: u32) -> vec2<f32> {
+    let map = load_texture(texture);
+    return vec2<f32>(select(1.0, -1.0, map.row_u.x < 0.0), select(1.0, -1.0, map.row_v.y < 0.0));
 }
 
 /// The shading normal by the material's normal map, kept in ng's hemisphere.
 fn bend_normal(plain: Surface) -> Surface {
     let texel = slot_rgba(plain.material, SLOT_NORMAL, plain.uv0, plain.uv1).xyz * 2.0 - vec3<f32>(1.0);
     let scale = load_slot_numbers(plain.material).x;
-    // The map's axes are those of the image: where it lies mirrored on the surface, they are too.
-    let map = load_texture(load_slot(plain.material, SLOT_NORMAL) >> 2u);
-    let right = scale * select(1.0, -1.0, map.row_u.x < 0.0);
-    let up = scale * select(1.0, -1.0, map.row_v.y < 0.0);
+    let axes = scale * map_axes(load_slot(plain.material, SLOT_NORMAL) >> 2u);
     let bitangent = plain.bitangent_sign * cross(plain.ns, plain.tangent);
-    let bent = texel.x * right * plain.tangent + texel.y * up * bitangent + texel.z * plain.ns;
+    let bent = texel.x * axes.x * plain.tangent + texel.y * axes.y * bitangent + texel.z * plain.ns;
     let size2 = dot(bent, bent);
     if (size2 < 1e-12) {
         return plain;

@@ -5,7 +5,7 @@
 /// vec4 per material: a word for each slot, then normal scale, opacity, cutoff, mode.
 const SLOTS_STRIDE: u32 = 5u;
 /// A slot's word is a texture's index and, in its two lowest bits, a channel; NONE for no texture.
-const N_SLOTS: u32 = 15u;
+const N_SLOTS: u32 = 16u;
 /// Albedo, F0, the tint of what is transmitted.
 const SLOT_COLOR: u32 = 0u;
 const SLOT_NORMAL: u32 = 1u;
@@ -22,6 +22,8 @@ const SLOT_CLEARCOAT_ROUGHNESS: u32 = 11u;
 const SLOT_SHEEN_COLOR: u32 = 12u;
 const SLOT_SHEEN_ROUGHNESS: u32 = 13u;
 const SLOT_ANISOTROPY: u32 = 14u;
+/// Red and green: along the tangent and the bitangent, from -1 to 1.
+const SLOT_ANISOTROPY_DIRECTION: u32 = 15u;
 
 // The record's mode
 const OPACITY_NONE: u32 = 0u;
