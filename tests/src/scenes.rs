@@ -201,6 +201,20 @@ fn plastic(alpha: f32) -> Surface {
     }
 }
 
+/// The rough ones with a normal map that leans by 40 degrees, so that normals face away from the eye,
+/// and from lights, over a good part of each ball.
+pub fn leaning_materials_room() -> Scene {
+    let mut scene = materials_room(false);
+    let texel = [0.5 + 0.5 * 0.55, 0.5 + 0.5 * 0.33, 0.5 + 0.5 * 0.77, 1.0];
+    let image = scene.images.len() as u32;
+    let texels = Texels::Float(vec![texel].into());
+    scene.images.push(Picture { name: String::new(), width: 1, height: 1, texels });
+    for material in scene.materials.iter_mut().skip(2) {
+        material.normal_map = Some(NormalMap { texture: Texture::new(image), scale: 1.0 });
+    }
+    scene
+}
+
 fn rough_surfaces() -> Vec<Surface> {
     let copper = ConductorFresnel::Complex {
         eta: Vec3::new(0.2, 0.92, 1.1),

@@ -36,7 +36,7 @@ fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let vertex = load_join_vertex(stored);
     // the cosine is > 0: the vertex is in front of the camera
     let pdf_camera = camera_pdf_across(params.camera, film_point.z / distance, distance_squared);
-    let cosine = light_end_cosine(stored, vertex, wi);
+    let cosine = abs(dot(vertex.surface.ng, wi));
     var weight = 1.0; // `light` has no other strategy: no camera path hits what it sees
     if (stored.s > 1u && has_flag(FLAG_HIT)) {
         let pdf_y = pdf_camera * abs(dot(vertex.surface.ng, wi));

@@ -210,6 +210,9 @@ pub struct MetallicRoughness {
     pub anisotropy: ScalarInput,
     /// Turns the tangent, radians, counter-clockwise.
     pub anisotropy_rotation: f32,
+    /// The direction that is turned in place of the tangent: red and green are its parts along the
+    /// tangent and the bitangent, 0 to 1 standing for -1 to 1.
+    pub anisotropy_direction: Option<Texture>,
 }
 
 impl Default for MetallicRoughness {
@@ -231,6 +234,7 @@ impl Default for MetallicRoughness {
             sheen_roughness: 0.0.into(),
             anisotropy: 0.0.into(),
             anisotropy_rotation: 0.0,
+            anisotropy_direction: None,
         }
     }
 }

@@ -189,6 +189,7 @@ fn validate_metallic_roughness(what: &str, model: &MetallicRoughness, n_images: 
     for (name, input) in scalars {
         scalar(what, name, input, n_images)?;
     }
+    texture(what, model.anisotropy_direction.as_ref(), n_images)?;
     positive(what, "index of refraction", model.ior)?;
     non_negative(what, "absorption", model.sigma_a)?;
     check(model.anisotropy_rotation.is_finite(), what, || {

@@ -104,14 +104,17 @@ fn diffuse_reflects_its_reflectance_and_never_more() {
                 // Each sample weighs the reflectance; only rejection would lose any.
                 assert_near(albedo.mean, f64::from(reflectance), 1e-6, "albedo");
             }
-            let bound = f64::from(reflectance) + 4.0 * albedo.standard_error + 1e-6;
+            // What is cut off in fewer than ten samples may not have been met at all.
+            let cut_off = f64::from(lib::share_cut_off(place[0].dot(place[1]) as f32));
+            let unseen = if cut_off * 20_000.0 < 10.0 { cut_off } else { 0.0 };
+            let bound = f64::from(reflectance) + 4.0 * albedo.standard_error + unseen + 1e-6;
             assert!(albedo.mean <= bound, "{place:?}: albedo {}", albedo.mean);
         }
     }
 }
 
 #[test]
-fn eval_is_reciprocal() {
+fn diffuse_scattering_is_reciprocal() {
     let mut random = Random::new(42);
     let material = diffuse([0.3, 0.6, 0.9]);
     let mut lit = 0;
@@ -119,14 +122,20 @@ fn eval_is_reciprocal() {
         let [ng, ns, wo] = random_place(&mut random, 0.6);
         let (place, wo, wi) = (frame(ng, ns), single(wo), single(random.direction()));
         let f = lib::bsdf_eval(material, place, wo, wi, lib::TRANSPORT_RADIANCE);
-        let reverse = lib::bsdf_eval(material, place, wi, wo, lib::TRANSPORT_RADIANCE);
+        let reverse = lib::bsdf_eval(material, place, wi, wo, lib::TRANSPORT_IMPORTANCE);
         assert_eq!(f, reverse, "{place:?} {wo:?} {wi:?}");
+        let flat = lib::bsdf_eval(material, frame(ng, ng), wo, wi, lib::TRANSPORT_RADIANCE);
+        let back = lib::bsdf_eval(material, frame(ng, ng), wi, wo, lib::TRANSPORT_RADIANCE);
+        assert!((double(flat) - double(back)).length() <= 1e-6, "{flat:?} and {back:?}");
         lit += usize::from(f.x > 0.0);
         let crosses = double(wo).dot(ng) * double(wi).dot(ng) < -1e-6;
         assert!(!(crosses && f.x > 0.0), "reflection reaches the other side");
-        // Both are 0 or neither: a density where nothing is scattered would only waste samples, the
-        // reverse would lose light.
-        assert_eq!(f.x > 0.0, lib::bsdf_pdf(material, place, wo, wi) > 0.0);
+        // Where light is scattered paths from both ends find it, or they would lose it.
+        let pdfs = [
+            lib::bsdf_pdf(material, place, wo, wi, lib::TRANSPORT_RADIANCE),
+            lib::bsdf_pdf(material, place, wi, wo, lib::TRANSPORT_IMPORTANCE),
+        ];
+        assert!(f.x == 0.0 || pdfs.iter().all(|&pdf| pdf > 0.0), "{place:?} {wo:?} {wi:?}: {pdfs:?}");
     }
     assert!(lit >= 10_000, "{lit} of 50000 pairs scatter");
 }
@@ -143,7 +152,7 @@ fn delta_lobes_have_no_eval_and_no_pdf() {
         let (place, wo) = (frame(ng, ns), single(wo));
         let f = lib::bsdf_eval(material, place, wo, sampled.wi, lib::TRANSPORT_RADIANCE);
         assert_eq!(f, Vec3::splat(0.0));
-        assert_eq!(lib::bsdf_pdf(material, place, wo, sampled.wi), 0.0);
+        assert_eq!(lib::bsdf_pdf(material, place, wo, sampled.wi, lib::TRANSPORT_RADIANCE), 0.0);
     }
 }
 
@@ -160,7 +169,9 @@ fn refraction_scales_radiance_only() {
         for mode in [lib::TRANSPORT_RADIANCE, lib::TRANSPORT_IMPORTANCE] {
             let sampled = sample(material, [ng, ng, wo], &mut random, mode);
             if sampled.pdf == 0.0 || !sampled.transmitted {
-                assert!(sampled.pdf == 0.0 || (sampled.weight.x - 1.0).abs() <= 1e-6);
+                // Light paths weigh by the cosine of wi: rounding shows near the critical angle.
+                let tolerance = if mode == lib::TRANSPORT_RADIANCE { 1e-6 } else { 5e-3 };
+                assert!(sampled.pdf == 0.0 || (sampled.weight.x - 1.0).abs() <= tolerance, "{sampled:?}");
                 continue;
             }
             refracted[mode as usize] += 1;
@@ -221,24 +232,24 @@ fn ior_of_one_goes_straight_on() {
 #[test]
 fn delta_lobes_never_reach_the_wrong_side() {
     let mut random = Random::new(47);
-    let mut fallbacks = 0;
+    let mut n_folded = 0;
     for i in 0..100_000u32 {
         let ior = random.between(0.6, 2.0) as f32;
         let material = [mirror([0.9; 3]), glass([0.9; 3], ior), sheet([0.9; 3], ior)][i as usize % 3];
         let place @ [ng, ns, wo] = random_place(&mut random, 1.2);
         let sampled = sample(material, place, &mut random, i % 2);
-        let chosen = lib::delta_normal(frame(ng, ns), single(wo));
-        fallbacks += usize::from((double(chosen).dot(ns)).abs() < 0.999_999);
         if sampled.pdf == 0.0 {
             continue;
         }
+        let about_ns = 2.0 * ns.dot(wo) * ns - wo;
+        n_folded += usize::from(!sampled.transmitted && double(sampled.wi).dot(about_ns) < 0.999);
         let sides = double(single(ng)).dot(double(sampled.wi)) * ng.dot(wo);
         // A direction in the surface's plane to rounding is on either side.
         let wrong = if sampled.transmitted { sides > 1e-7 } else { sides < -1e-7 };
         assert!(!wrong, "{place:?}: {sampled:?}");
         assert_near(double(sampled.wi).length(), 1.0, 1e-5, "length");
     }
-    assert!(fallbacks >= 1000, "{fallbacks} fallbacks to the geometric normal");
+    assert!(n_folded >= 1000, "{n_folded} reflections mirrored by the surface");
 }
 
 #[test]
@@ -257,25 +268,21 @@ fn mirrors_follow_schlick() {
 }
 
 #[test]
-fn adjoint_factor_is_one_without_shading_normals_and_its_own_inverse() {
+fn light_paths_owe_the_cosines_of_the_geometry() {
     let mut random = Random::new(49);
     for _ in 0..20_000 {
         let [ng, ns, wo] = random_place(&mut random, 0.6);
         let (place, wo, wi) = (frame(ng, ns), single(wo), single(random.direction()));
-        let plain = lib::adjoint_factor(frame(ng, ng), wo, wi);
-        assert_near(f64::from(plain), 1.0, 1e-6, "ns = ng");
-        let there = f64::from(lib::adjoint_factor(place, wo, wi));
-        let back = f64::from(lib::adjoint_factor(place, wi, wo));
+        let factor = |wo, wi, mode| f64::from(lib::adjoint_cosines(place, wo, wi, mode));
+        assert_eq!(factor(wo, wi, lib::TRANSPORT_RADIANCE), 1.0);
+        let there = factor(wo, wi, lib::TRANSPORT_IMPORTANCE);
+        let back = factor(wi, wo, lib::TRANSPORT_IMPORTANCE);
         assert_near(there * back, 1.0, 1e-5, "there and back");
-        let [g, s, o, i] = [place.ng, place.ns, wo, wi].map(double);
-        let expected = (s.dot(o) * g.dot(i) / (g.dot(o) * s.dot(i))).abs();
-        let tolerance =
-            1e-6 / [s.dot(o), g.dot(i), g.dot(o), s.dot(i)].map(f64::abs).into_iter().fold(1.0, f64::min);
+        let [g, o, i] = [place.ng, wo, wi].map(double);
+        let expected = (g.dot(i) / g.dot(o)).abs();
+        let tolerance = 1e-6 / [g.dot(i), g.dot(o)].map(f64::abs).into_iter().fold(1.0, f64::min);
         assert_near(there / expected, 1.0, tolerance, "definition");
     }
-    let edge_on =
-        lib::adjoint_factor(frame(DVec3::Z, DVec3::Z), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 0.0, 1.0));
-    assert_eq!(edge_on, 0.0, "no 0/0");
 }
 
 #[test]

@@ -34,33 +34,44 @@ fn index_at(material: &Material, place: Frame, wo: DVec3) -> f64 {
     f64::from(lib::relative_index(*material, double(place.ng).dot(wo) > 0.0))
 }
 
-/// f(wo, wi) = f(wi, wo) in the other mode: reflection has no modes, and transmission's differ by η².
+/// Where normals do not lean f(wo, wi) = f(wi, wo), and transmission's modes differ by η²; where they do,
+/// by the mode of the path that comes from the other end, which finds all light that is scattered.
 #[test]
 fn models_are_reciprocal() {
     let mut random = Random::new(90);
     for model in models::all() {
         let mut n_transmitted = 0;
-        for _ in 0..2000 {
-            let place = random_frame(&mut random, 0.3);
+        for i in 0..4000 {
+            let leans = i % 2 == 1;
+            let place = random_frame(&mut random, if leans { 0.7 } else { 0.0 });
             let (wo, wi) = (random.direction(), random.direction());
             let f =
                 |wo, wi, mode| double(lib::bsdf_eval(model.material, place, single(wo), single(wi), mode));
             let [radiance, importance] = MODES.map(|mode| f(wo, wi, mode));
             let reverse = f(wi, wo, lib::TRANSPORT_IMPORTANCE);
-            let error = (radiance - reverse).abs().max_element();
+            assert_eq!(radiance, reverse, "{}", model.name);
+            let pdfs = [(wo, wi, MODES[0]), (wi, wo, MODES[1])]
+                .map(|(from, to, mode)| lib::bsdf_pdf(model.material, place, single(from), single(to), mode));
             assert!(
-                error <= 4e-3 * radiance.max_element() + 1e-5,
-                "{}: {radiance} and {reverse}",
+                radiance.max_element() == 0.0 || pdfs.iter().all(|&pdf| pdf > 0.0),
+                "{}: light without a density, {pdfs:?}",
                 model.name
             );
+            // Seen from along the surface the normal is turned towards the eye.
+            let along = [wo, wi].iter().any(|w| double(place.ng).dot(*w).abs() < 1e-3);
+            if leans || along {
+                continue;
+            }
             let crosses = double(place.ng).dot(wo) * double(place.ng).dot(wi) < 0.0;
             let bends = crosses && lib::bends(model.material);
             let eta = if bends { index_at(&model.material, place, wo) } else { 1.0 };
             let error = (importance - radiance * eta * eta).abs().max_element();
-            assert!(error <= 1e-4 * importance.max_element() + 1e-6, "{}: by η²", model.name);
+            assert!(
+                error <= 4e-3 * importance.max_element() + 1e-5,
+                "{}: {radiance} and {importance}, by η²",
+                model.name
+            );
             n_transmitted += usize::from(crosses && importance.max_element() > 0.0);
-            let pdf = lib::bsdf_pdf(model.material, place, single(wo), single(wi));
-            assert!(radiance.max_element() == 0.0 || pdf > 0.0, "{}: light without a density", model.name);
         }
         let transmits = model.material.transmit.x > 0.0 && model.material.alpha.x > 0.0;
         assert_eq!(n_transmitted > 100, transmits, "{}: {n_transmitted}", model.name);
@@ -115,12 +126,14 @@ fn samples_carry_their_own_density_and_weight() {
             if sampled.is_delta {
                 continue;
             }
-            let pdf = lib::bsdf_pdf(model.material, place, single(wo), sampled.wi);
+            let pdf = lib::bsdf_pdf(model.material, place, single(wo), sampled.wi, mode);
             assert_near(f64::from(sampled.pdf / pdf), 1.0, 1e-5, &model.name);
             let f = double(lib::bsdf_eval(model.material, place, single(wo), sampled.wi, mode));
-            let expected = f * double(place.ns).dot(wi).abs();
+            let expected = f * double(place.ng).dot(wi).abs();
             let error = (double(sampled.weight) * f64::from(pdf) - expected).abs().max_element();
-            assert!(error <= 1e-5 * (1.0 + expected.max_element()), "{}: weight", model.name);
+            // f is large where the light's cosine is small; rounding of the other cosine is 1e-7.
+            let tolerance = 1e-5 * (1.0 + expected.max_element()) + 4e-7 * f.max_element();
+            assert!(error <= tolerance, "{}: weight", model.name);
         }
     }
 }
@@ -129,14 +142,14 @@ fn test_directions(
     material: Material,
     sampled: Material,
     place: Frame,
-    wo: DVec3,
+    (wo, mode): (DVec3, u32),
     random: &mut Random,
 ) -> ChiSquare {
     let sample = || {
-        let sampled = lib::bsdf_sample(sampled, place, single(wo), random.unit3(), lib::TRANSPORT_RADIANCE);
+        let sampled = lib::bsdf_sample(sampled, place, single(wo), random.unit3(), mode);
         (sampled.pdf > 0.0 && !sampled.is_delta).then(|| double(sampled.wi))
     };
-    let pdf = |wi: DVec3| f64::from(lib::bsdf_pdf(material, place, single(wo), single(wi)));
+    let pdf = |wi: DVec3| f64::from(lib::bsdf_pdf(material, place, single(wo), single(wi), mode));
     Cap::sphere().test(N, sample, pdf)
 }
 
@@ -146,11 +159,13 @@ fn test_directions(
 fn directions_have_their_density() {
     let mut random = Random::new(93);
     for model in models::all() {
-        for (cosine, tilt) in [(0.8, 0.2), (-0.4, 0.0)] {
+        for (cosine, tilt, mode) in
+            [(0.8, 0.2, MODES[0]), (-0.4, 0.0, MODES[1]), (0.3, 0.7, MODES[0]), (0.3, 0.7, MODES[1])]
+        {
             let place = random_frame(&mut random, tilt);
             let wo = seen_at(place, cosine);
-            let test = test_directions(model.material, model.material, place, wo, &mut random);
-            test.assert_holds(&format!("{} at {cosine}", model.name));
+            let test = test_directions(model.material, model.material, place, (wo, mode), &mut random);
+            test.assert_holds(&format!("{} at {cosine}, leaning {tilt}", model.name));
         }
     }
 }
@@ -169,7 +184,8 @@ fn another_roughness_or_direction_is_rejected() {
         }
         let factor = if other.alpha.x > 0.6 { 0.75 } else { 1.6 };
         other.alpha = wgsl_cpu::runtime::Vec2::splat(factor * other.alpha.x);
-        test_directions(model.material, other, place, wo, &mut random).assert_rejects(&model.name);
+        let seen = (wo, MODES[0]);
+        test_directions(model.material, other, place, seen, &mut random).assert_rejects(&model.name);
     }
 }
 

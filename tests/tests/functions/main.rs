@@ -4,6 +4,7 @@
 
 mod albedo_tables;
 mod bsdf_laws;
+mod bsdf_leaning;
 mod bsdf_models;
 mod bsdf_sampling;
 mod cameras;

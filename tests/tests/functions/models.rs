@@ -56,7 +56,7 @@ pub fn all() -> Vec<Model> {
         model("metal 0.2", rough(metal, 0.2, 0.2), 0.02),
         model("metal 0.5", rough(metal, 0.5, 0.5), 0.02),
         model("metal 1", rough(metal, 1.0, 1.0), 0.02),
-        Model { gain: 0.03, ..model("metal 0.2 by 0.5", rough(metal, 0.2, 0.5), 0.1) },
+        model("metal 0.2 by 0.5", rough(metal, 0.2, 0.5), 0.02),
         model("copper 0.3", rough(copper, 0.3, 0.3), f64::NAN),
         model("glass 0.2", rough(solid(glass, 1.5), 0.2, 0.2), 0.02),
         model("glass 0.6", rough(solid(glass, 1.5), 0.6, 0.6), 0.02),
@@ -78,7 +78,7 @@ pub fn all() -> Vec<Model> {
         model(
             "coat 0.5 on metal",
             coated(RawMaterial { metallic: 1.0, ..rough(pbr, 0.7, 0.7) }, 1.0, 0.5),
-            0.25,
+            0.02,
         ),
         model("velvet", rough(velvet, 0.8, 0.8), 0.05),
         model("thin, roughness 0.6", rough(clear, 0.6, 0.6), 0.02),

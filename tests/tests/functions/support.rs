@@ -94,8 +94,10 @@ pub fn raw(kind: u32) -> RawMaterial {
 pub fn finish(raw: RawMaterial) -> Material {
     let alpha = lib::mean_alpha(lib::interface_alpha(raw));
     let none = lib::no_curve();
-    let mut albedos =
-        Albedos { a: none, b: none, sheen: alpha_curve(lib::CURVE_SHEEN, lib::sheen_alpha(raw)) };
+    let sheen = alpha_curve(lib::CURVE_SHEEN, lib::sheen_alpha(raw));
+    let of_coat = |curve| alpha_curve(curve, lib::coat_alpha(raw));
+    let coat = lib::schlick_albedo(lib::COAT_F0, of_coat(lib::CURVE_LOSS), of_coat(lib::CURVE_GRAZING));
+    let mut albedos = Albedos { a: none, b: none, sheen, coat };
     if alpha > 0.0 {
         let [front, back] = if raw.ior > 1.0 {
             [lib::CURVE_RARE_LOSS, lib::CURVE_DENSE_LOSS]

@@ -48,16 +48,22 @@ fn agree(scene: &Scene, reference: &Case) {
     report.finish();
 }
 
-/// Every model of a surface: from one end, from the other and from both.
+/// Every model of a surface, with shading normals that lean too: from one end, from the other and from
+/// both.
 #[test]
 fn integrators_agree_on_every_material() {
     let _turn = in_turn();
     let in_use = vec![true; scenes::SIZE * scenes::SIZE];
     let mut report = Report::default();
-    for smooth in [false, true] {
-        let scene = scenes::materials_room(smooth);
+    let rooms = [
+        ("rough", scenes::materials_room(false)),
+        ("smooth", scenes::materials_room(true)),
+        ("leaning", scenes::leaning_materials_room()),
+    ];
+    for (name, scene) in &rooms {
+        let smooth = *name == "smooth";
         let blocks = |case: &Case, samples| {
-            Blocks::of_batches(&estimate(&cpu(), &scene, scenes::SIZE, case, samples), &in_use)
+            Blocks::of_batches(&estimate(&cpu(), scene, scenes::SIZE, case, samples), &in_use)
         };
         let expected = blocks(&integrators::path_naive(), AGAINST * SAMPLES);
         let ends = [
@@ -69,7 +75,14 @@ fn integrators_agree_on_every_material() {
         // Light paths cannot be seen by way of a delta lobe.
         for case in ends.iter().filter(|case| !smooth || case.settings.integrator != Integrator::Light) {
             let agreement = Agreement::of(&blocks(case, SAMPLES), &expected);
-            report.check_where_reachable(&format!("{}, smooth: {smooth}", case.name()), &agreement);
+            let text = format!("{}, {name}: {agreement}", case.name());
+            if *name == "leaning" && case.settings.integrator == Integrator::Light {
+                // Light that grazes a surface weighs 1 / cosine where the normal leans towards it: a heavy
+                // tail, which few samples have.
+                report.note(&text, agreement.nothing_is_brighter() && agreement.means_agree());
+            } else {
+                report.check_where_reachable(&format!("{}, {name}", case.name()), &agreement);
+            }
         }
     }
     report.finish();

@@ -1,8 +1,11 @@
-//! Normal maps lie as their image does, whichever way up the mesh counts its texture coordinates.
+//! Normal maps and maps of directions lie as their image does, whichever way up the mesh counts its
+//! texture coordinates.
 
 use glam::{Mat3, Vec2, Vec3};
 use midway_film::Image;
-use midway_scene::{Image as Picture, NormalMap, Scene, Texels, Texture};
+use midway_scene::{
+    Image as Picture, Material, MetallicRoughness, NormalMap, Scene, Surface, Texels, Texture,
+};
 use midway_tests::{
     estimate::{cpu, render},
     integrators,
@@ -14,16 +17,25 @@ use crate::support::{in_turn, settings};
 const SIZE: usize = 16;
 const SAMPLES: u64 = 16;
 
-/// A floor under a lamp at one side, its normals leaning by a map of one texel.
+/// The map, its image of one texel upside down where the mesh counts so.
+fn map(flip_v: bool) -> Texture {
+    let flipped = Mat3::from_translation(Vec2::Y) * Mat3::from_scale(Vec2::new(1.0, -1.0));
+    Texture { image_from_uv: if flip_v { flipped } else { Mat3::IDENTITY }, ..Texture::new(0) }
+}
+
+/// A floor under a lamp at one side, its normals leaning by a map.
 fn scene(lean: [f32; 2], flip_v: bool) -> Scene {
+    let mut floor = diffuse(Vec3::splat(0.7), Vec3::ZERO);
+    floor.normal_map = Some(NormalMap { texture: map(flip_v), scale: 1.0 });
+    scene_of(floor, lean, flip_v)
+}
+
+/// A floor under a lamp at one side, and an image of one texel that points somewhere.
+fn scene_of(floor: Material, points: [f32; 2], flip_v: bool) -> Scene {
     let mut scene = Scene::default();
-    let texel = [0.5 + 0.5 * lean[0], 0.5 + 0.5 * lean[1], 0.9, 1.0];
+    let texel = [0.5 + 0.5 * points[0], 0.5 + 0.5 * points[1], 0.9, 1.0];
     let texels = Texels::Float(vec![texel].into());
     scene.images.push(Picture { name: String::new(), width: 1, height: 1, texels });
-    let mut floor = diffuse(Vec3::splat(0.7), Vec3::ZERO);
-    let flipped = Mat3::from_translation(Vec2::Y) * Mat3::from_scale(Vec2::new(1.0, -1.0));
-    let image_from_uv = if flip_v { flipped } else { Mat3::IDENTITY };
-    floor.normal_map = Some(NormalMap { texture: Texture { image_from_uv, ..Texture::new(0) }, scale: 1.0 });
     add(&mut scene, Shape::parallelogram(Vec3::new(-1.0, -1.0, 0.0), 2.0 * Vec3::X, 2.0 * Vec3::Y), floor);
     let place = |uv: Vec2| if flip_v { Vec2::new(uv.x, 1.0 - uv.y) } else { uv };
     scene.meshes[0].uvs[0] = [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO].map(place).to_vec();
@@ -34,8 +46,12 @@ fn scene(lean: [f32; 2], flip_v: bool) -> Scene {
 }
 
 fn picture(lean: [f32; 2], flip_v: bool) -> Image {
+    picture_of(&scene(lean, flip_v))
+}
+
+fn picture_of(scene: &Scene) -> Image {
     let settings = settings(SIZE, integrators::path().settings, 3);
-    render(&cpu(), &scene(lean, flip_v), &settings, SAMPLES)
+    render(&cpu(), scene, &settings, SAMPLES)
 }
 
 /// The largest difference of two images, as a share of the brightest value.
@@ -66,4 +82,37 @@ fn normals_lean_towards_the_right_and_up_of_the_map() {
         let lean = |by: f32| if axis == 0 { [by, 0.0] } else { [0.0, by] };
         assert!(sum(lean(0.3)) > 1.05 * straight && sum(lean(-0.3)) < 0.95 * straight, "axis {axis}");
     }
+}
+
+/// A map of directions turns brushed metal as a rotation does, and the rotation turns what it says.
+#[test]
+fn a_map_of_directions_turns_anisotropy() {
+    let _turn = in_turn();
+    let floor = |rotation: f32, direction: Option<Texture>| {
+        Material::new(Surface::MetallicRoughness(Box::new(MetallicRoughness {
+            metallic: 1.0.into(),
+            roughness: 0.4.into(),
+            anisotropy: 0.8.into(),
+            anisotropy_rotation: rotation,
+            anisotropy_direction: direction,
+            ..MetallicRoughness::default()
+        })))
+    };
+    let turned =
+        |rotation, points, flip_v| picture_of(&scene_of(floor(rotation, Some(map(flip_v))), points, flip_v));
+    let plain = |rotation| picture_of(&scene_of(floor(rotation, None), [1.0, 0.0], false));
+    let (sin, cos) = 0.6f32.sin_cos();
+    let steep = 1.2f32;
+    for flip_v in [false, true] {
+        for (map, rotation) in
+            [([steep.cos(), steep.sin()], steep), ([cos, sin], 0.6), ([0.5 * cos, -0.5 * sin], -0.6)]
+        {
+            let error = difference(&turned(0.0, map, flip_v), &plain(rotation));
+            assert!(error <= 1e-3, "{map:?}, flipped: {flip_v}: {error}");
+        }
+    }
+    let error = difference(&turned(0.4, [cos, sin], false), &plain(1.0));
+    assert!(error <= 1e-3, "both: {error}");
+    let apart = difference(&plain(0.6), &plain(-0.6));
+    assert!(apart >= 0.05, "turning changes the picture by {apart}");
 }

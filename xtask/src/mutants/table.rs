@@ -36,7 +36,7 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "dropped-cosine",
         file: "bindings/light_join.wgsl",
-        find: "(abs(dot(vertex.surface.ns, light.wi)) / light.pdf * weight * estimator)",
+        find: "(abs(dot(vertex.surface.ng, light.wi)) / light.pdf * weight * estimator)",
         replace: "(1.0 / light.pdf * weight * estimator)",
         caught_by: FACING_SQUARES,
     },
@@ -57,14 +57,14 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "missing-eta-squared",
         file: "lib/bsdf_sampling.wgsl",
-        find: "select(1.0, 1.0 / (eta * eta), mode == TRANSPORT_RADIANCE)",
-        replace: "1.0",
+        find: "select(adjoint, 1.0 / (eta * eta), mode == TRANSPORT_RADIANCE)",
+        replace: "adjoint",
         caught_by: LAMP_IN_GLASS,
     },
     Mutant {
         name: "rough-refraction-without-eta-squared",
         file: "lib/bsdf_lobes.wgsl",
-        find: "select(f, f / (eta * eta), scaled)",
+        find: "select(f, f / (eta * eta), bends(material))",
         replace: "f",
         caught_by: MATERIALS,
     },
@@ -141,9 +141,9 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "adjoint-factor-dropped",
-        file: "bindings/vertex.wgsl",
-        find: "weight *= adjoint_factor(frame_of(surface), vertex.wo, scattered.wi);",
-        replace: "weight *= 1.0;",
+        file: "lib/bsdf_diffuse.wgsl",
+        find: "* adjoint_cosines(frame, wo, wi, mode);",
+        replace: "* 1.0;",
         caught_by: SHADING_NORMALS,
     },
     Mutant {

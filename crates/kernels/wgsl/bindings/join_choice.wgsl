@@ -28,7 +28,7 @@ fn evaluate_join(path: Path, vertex: Vertex, stored: LightVertex, y: JoinVertex)
     let wi = between / distance;
     let f_z = bsdf_eval(vertex.material, frame_of(vertex.surface), vertex.wo, wi, TRANSPORT_RADIANCE);
     let from_light = light_end_scatter(stored, y, -wi);
-    let cosines = abs(dot(vertex.surface.ns, wi)) * light_end_cosine(stored, y, -wi);
+    let cosines = abs(dot(vertex.surface.ng, wi) * dot(y.surface.ng, wi));
     let leaving = medium_towards(path.medium, vertex.surface, vertex.material, vertex.wo, wi);
     let medium = medium_before(leaving, y.surface, y.material, -wi);
     let contribution = vertex.throughput * f_z * from_light * medium_transmittance(medium, distance)
@@ -44,10 +44,10 @@ fn join_mis_weight(path: Path, vertex: Vertex, stored: LightVertex, y: JoinVerte
     let t = path.depth + 2u;
     let cos_y = abs(dot(y.surface.ng, wi));
     let cos_z = abs(dot(vertex.surface.ng, wi));
-    let pdf_y = scatter_pdf(vertex, vertex.wo, wi) * cos_y / distance_squared;
+    let pdf_y = scatter_pdf(vertex, vertex.wo, wi, TRANSPORT_RADIANCE) * cos_y / distance_squared;
     let camera_earlier = mis_earlier(config, vertex.mis, camera_previous_factor(config, t, vertex.mis, vertex.ending),
-        scatter_pdf(vertex, wi, vertex.wo));
-    let pdf_z = light_end_pdf(stored, y, stored.wo, -wi) * cos_z / distance_squared;
+        scatter_pdf(vertex, wi, vertex.wo, TRANSPORT_IMPORTANCE));
+    let pdf_z = light_end_pdf(y, stored.wo, -wi, TRANSPORT_IMPORTANCE) * cos_z / distance_squared;
     return mis_weight_join(config, join_factor(config, y.ending, vertex.ending), pdf_y, light_earlier(stored, y, -wi),
         pdf_z, camera_earlier);
 }

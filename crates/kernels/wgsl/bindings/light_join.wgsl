@@ -12,7 +12,7 @@ fn join_light(path: Path, vertex: Vertex, light: LightSample, factor: f32, estim
     let leaving = medium_towards(path.medium, vertex.surface, vertex.material, vertex.wo, light.wi);
     let medium = select(light.inside, leaving, light.inside == NONE);
     let contribution = vertex.throughput * f * light.arriving * medium_transmittance(medium, light.distance)
-        * (abs(dot(vertex.surface.ns, light.wi)) / light.pdf * weight * estimator);
+        * (abs(dot(vertex.surface.ng, light.wi)) / light.pdf * weight * estimator);
     if (contributes(contribution)) {
         push_shadow_ray(path.index, offset_origin(vertex.surface.position, normal_towards(vertex.surface, light.wi)),
             light.end, contribution);
@@ -21,9 +21,9 @@ fn join_light(path: Path, vertex: Vertex, light: LightSample, factor: f32, estim
 
 fn light_join_weight(path: Path, vertex: Vertex, light: LightSample, factor: f32) -> f32 {
     let config = mis_config();
-    let pdf_hit = scatter_pdf(vertex, vertex.wo, light.wi) * light.to_measure;
+    let pdf_hit = scatter_pdf(vertex, vertex.wo, light.wi, TRANSPORT_RADIANCE) * light.to_measure;
     let pdf_emit = light.pdf_emit * params.emitter_survival * abs(dot(vertex.surface.ng, light.wi));
     let earlier = mis_earlier(config, vertex.mis, camera_previous_factor(config, path.depth + 2u, vertex.mis, vertex.ending),
-        scatter_pdf(vertex, light.wi, vertex.wo));
+        scatter_pdf(vertex, light.wi, vertex.wo, TRANSPORT_IMPORTANCE));
     return mis_weight_emitter(config, factor, pdf_hit, light.pdf, light.pdf, pdf_emit, earlier);
 }

@@ -32,12 +32,16 @@ fn load_raw_material(index: u32) -> RawMaterial {
 
 /// The curves that `finish_material` asks for.
 fn load_albedos(raw: RawMaterial) -> Albedos {
-    var albedos = Albedos(no_curve(), no_curve(), no_curve());
+    var albedos = Albedos(no_curve(), no_curve(), no_curve(), no_curve());
     if (!needs_albedos(raw)) {
         return albedos;
     }
     if (may_have(FEATURE_LAYERS) && raw.kind == SURFACE_METALLIC_ROUGHNESS && max3(raw.eta_or_sheen.xyz) > 0.0) {
         albedos.sheen = load_alpha_curve(CURVE_SHEEN, sheen_alpha(raw));
+    }
+    if (may_have(FEATURE_LAYERS) && raw.kind == SURFACE_METALLIC_ROUGHNESS && raw.k_or_coat.x > 0.0 && coat_alpha(raw) > 0.0) {
+        let coat = coat_alpha(raw);
+        albedos.coat = schlick_albedo(COAT_F0, load_alpha_curve(CURVE_LOSS, coat), load_alpha_curve(CURVE_GRAZING, coat));
     }
     let alpha = mean_alpha(interface_alpha(raw));
     if (!may_have(FEATURE_ROUGHNESS) || alpha == 0.0) {

@@ -50,6 +50,8 @@ fn add_textures(plain: RawPoint) -> RawPoint {
         let rgba = sample_texture(word >> 2u, plain.surface.uv0, plain.surface.uv1);
         if (slot == SLOT_NORMAL) {
             point.surface = bend_normal(point.surface, rgba.xyz, word >> 2u);
+        } else if (may_have(FEATURE_ANISOTROPY) && slot == SLOT_ANISOTROPY_DIRECTION) {
+            point.raw.rotation = turned(point.raw.rotation, rgba.xyz, word >> 2u);
         } else {
             point.raw = add_texture(point.raw, slot, rgba, rgba[word & 3u]);
         }
@@ -79,16 +81,31 @@ fn add_texture(plain: RawMaterial, slot: u32, rgba: vec4<f32>, value: f32) -> Ra
     return raw;
 }
 
+/// A record's rotation, (cos, sin), applied to the direction that a texel of its map has at a point.
+fn turned(rotation: vec2<f32>, rgb: vec3<f32>, texture: u32) -> vec2<f32> {
+    let along = (rgb.xy * 2.0 - vec2<f32>(1.0)) * map_axes(texture);
+    let size2 = dot(along, along);
+    if (size2 < 1e-6) {
+        return rotation;
+    }
+    let unit = along * inverseSqrt(size2);
+    return vec2<f32>(rotation.x * unit.x - rotation.y * unit.y, rotation.y * unit.x + rotation.x * unit.y);
+}
+
+/// Signs of a map's axes, right and up, along the tangent and the bitangent: its axes are those of the
+/// image, and where that lies mirrored on the surface, so do they.
+fn map_axes(texture: u32) -> vec2<f32> {
+    let map = load_texture(texture);
+    return vec2<f32>(select(1.0, -1.0, map.row_u.x < 0.0), select(1.0, -1.0, map.row_v.y < 0.0));
+}
+
 /// The shading normal by a texel of the material's normal map, kept in ng's hemisphere.
 fn bend_normal(plain: Surface, rgb: vec3<f32>, texture: u32) -> Surface {
     let texel = rgb * 2.0 - vec3<f32>(1.0);
     let scale = load_slot_numbers(plain.material).x;
-    // The map's axes are those of the image: where it lies mirrored on the surface, they are too.
-    let map = load_texture(texture);
-    let right = scale * select(1.0, -1.0, map.row_u.x < 0.0);
-    let up = scale * select(1.0, -1.0, map.row_v.y < 0.0);
+    let axes = scale * map_axes(texture);
     let bitangent = plain.bitangent_sign * cross(plain.ns, plain.tangent);
-    let bent = texel.x * right * plain.tangent + texel.y * up * bitangent + texel.z * plain.ns;
+    let bent = texel.x * axes.x * plain.tangent + texel.y * axes.y * bitangent + texel.z * plain.ns;
     let size2 = dot(bent, bent);
     if (size2 < 1e-12) {
         return plain;

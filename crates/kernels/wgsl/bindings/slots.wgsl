@@ -6,7 +6,7 @@
 /// (2) and behind it which slots `add_textures` is to look up.
 const SLOTS_STRIDE: u32 = 5u;
 /// A slot's word is a texture's index and, in its two lowest bits, a channel; NONE for no texture.
-const N_SLOTS: u32 = 15u;
+const N_SLOTS: u32 = 16u;
 /// Albedo, F0, the tint of what is transmitted.
 const SLOT_COLOR: u32 = 0u;
 const SLOT_NORMAL: u32 = 1u;
@@ -23,6 +23,8 @@ const SLOT_CLEARCOAT_ROUGHNESS: u32 = 11u;
 const SLOT_SHEEN_COLOR: u32 = 12u;
 const SLOT_SHEEN_ROUGHNESS: u32 = 13u;
 const SLOT_ANISOTROPY: u32 = 14u;
+/// Red and green: along the tangent and the bitangent, from -1 to 1.
+const SLOT_ANISOTROPY_DIRECTION: u32 = 15u;
 
 // The record's mode, the low bits of the last word
 const OPACITY_NONE: u32 = 0u;

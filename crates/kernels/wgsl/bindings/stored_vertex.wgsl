@@ -16,25 +16,20 @@ fn load_join_vertex(stored: LightVertex) -> JoinVertex {
     return JoinVertex(surface, material, q, ending_chance(mis_config(), q));
 }
 
-/// What a light subpath's end sends towards wi: importance-mode scattering with the adjoint factor
-/// and no cosine; at y_0, the emission (throughput holds radiance over density).
+/// What a light subpath's end sends towards wi: importance-mode scattering, no cosine; at y_0, the
+/// emission (throughput holds radiance over density).
 fn light_end_scatter(stored: LightVertex, vertex: JoinVertex, wi: vec3<f32>) -> vec3<f32> {
     if (stored.s == 1u) {
         let emits = any(emitted_radiance(vertex.material, dot(vertex.surface.ng, wi)) > vec3<f32>(0.0));
         return select(vec3<f32>(0.0), stored.throughput, emits);
     }
-    let f = bsdf_eval(vertex.material, frame_of(vertex.surface), stored.wo, wi, TRANSPORT_IMPORTANCE);
-    return stored.throughput * f * adjoint_factor(frame_of(vertex.surface), stored.wo, wi);
+    return stored.throughput * bsdf_eval(vertex.material, frame_of(vertex.surface), stored.wo, wi, TRANSPORT_IMPORTANCE);
 }
 
-/// The cosine at a light subpath's end, as it enters the contribution.
-fn light_end_cosine(stored: LightVertex, vertex: JoinVertex, wi: vec3<f32>) -> f32 {
-    return abs(dot(select(vertex.surface.ns, vertex.surface.ng, stored.s == 1u), wi));
-}
-
-/// Density of a light end's scattering towards wi, per solid angle, with survival.
-fn light_end_pdf(stored: LightVertex, vertex: JoinVertex, from_direction: vec3<f32>, to_direction: vec3<f32>) -> f32 {
-    return vertex.survival * bsdf_pdf(vertex.material, frame_of(vertex.surface), from_direction, to_direction);
+/// Density of scattering at a light subpath's end from one direction into another, per solid angle,
+/// with survival, by the mode of the path that comes from the first.
+fn light_end_pdf(vertex: JoinVertex, from_direction: vec3<f32>, to_direction: vec3<f32>, mode: u32) -> f32 {
+    return vertex.survival * bsdf_pdf(vertex.material, frame_of(vertex.surface), from_direction, to_direction, mode);
 }
 
 /// The chance of a light subpath's having ended at its end.
@@ -50,5 +45,5 @@ fn light_earlier(stored: LightVertex, vertex: JoinVertex, wi: vec3<f32>) -> f32 
     let config = mis_config();
     let state = light_vertex_mis(stored);
     let factor = light_previous_factor(config, stored.s, state, vertex.ending);
-    return mis_earlier(config, state, factor, light_end_pdf(stored, vertex, wi, stored.wo));
+    return mis_earlier(config, state, factor, light_end_pdf(vertex, wi, stored.wo, TRANSPORT_RADIANCE));
 }

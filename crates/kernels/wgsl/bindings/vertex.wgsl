@@ -28,9 +28,10 @@ fn arrive(path: Path, hit: Hit) -> Vertex {
         state, q, ending_chance(config, q));
 }
 
-/// Density of a vertex's scattering from one direction into another, per solid angle, with survival.
-fn scatter_pdf(vertex: Vertex, from_direction: vec3<f32>, to_direction: vec3<f32>) -> f32 {
-    return vertex.survival * bsdf_pdf(vertex.material, frame_of(vertex.surface), from_direction, to_direction);
+/// Density of a vertex's scattering from one direction into another, per solid angle, with survival, by
+/// the mode of the path that comes from the first.
+fn scatter_pdf(vertex: Vertex, from_direction: vec3<f32>, to_direction: vec3<f32>, mode: u32) -> f32 {
+    return vertex.survival * bsdf_pdf(vertex.material, frame_of(vertex.surface), from_direction, to_direction, mode);
 }
 
 /// The geometric normal on a direction's side.
@@ -55,15 +56,12 @@ fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> 
     }
     let config = mis_config();
     let cos_out = abs(dot(surface.ng, scattered.wi));
-    var weight = scattered.weight / vertex.survival; // > 0: roulette spared the path
-    if (mode == TRANSPORT_IMPORTANCE) {
-        weight *= adjoint_factor(frame_of(surface), vertex.wo, scattered.wi);
-    }
+    let weight = scattered.weight / vertex.survival; // > 0: roulette spared the path
     if (scattered.is_delta) {
         next.mis = mis_scatter_delta(config, vertex.mis, cos_out, vertex.ending);
     } else {
         let pdf_fwd = scattered.pdf * vertex.survival;
-        let pdf_rev = scatter_pdf(vertex, scattered.wi, vertex.wo);
+        let pdf_rev = scatter_pdf(vertex, scattered.wi, vertex.wo, TRANSPORT_IMPORTANCE - mode);
         next.mis = mis_scatter(config, vertex.mis, factor, cos_out, pdf_fwd, pdf_rev, vertex.ending);
     }
     next.throughput = vertex.throughput * weight;

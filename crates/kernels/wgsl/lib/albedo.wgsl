@@ -51,6 +51,12 @@ fn curve_mean(curve: Curve) -> f32 {
     return clamp(mean, 1e-6, 1.0);
 }
 
+/// The albedo of facets with Schlick's factor from f0 to 1, of CURVE_LOSS and CURVE_GRAZING.
+fn schlick_albedo(f0: f32, loss: Curve, grazing: Curve) -> Curve {
+    let low = (1.0 - f0) * grazing.low - f0 * loss.low;
+    return Curve(low + vec4<f32>(f0, 0.0, 0.0, 0.0), (1.0 - f0) * grazing.high - f0 * loss.high);
+}
+
 fn blend_curves(a: Curve, b: Curve, t: f32) -> Curve {
     return Curve(mix(a.low, b.low, vec4<f32>(t)), mix(a.high, b.high, vec4<f32>(t)));
 }

@@ -15,6 +15,8 @@
 #include "lib/bsdf_plastic.wgsl"
 #include "lib/bsdf_metallic.wgsl"
 #include "lib/bsdf_lobes.wgsl"
+#include "lib/bsdf_leaning.wgsl"
+#include "lib/bsdf_diffuse.wgsl"
 #include "lib/bsdf_sampling.wgsl"
 #include "lib/bsdf.wgsl"
 #include "lib/light.wgsl"

@@ -1,10 +1,12 @@
 // Surface scattering: sample, evaluate, density, in both transport modes.
 //
 // Directions wo and wi are unit and point away from the surface; wo towards the vertex that the
-// subpath came from. bsdf_eval has no cosine in it. Densities are per solid angle, without roulette.
-// A delta lobe has eval and pdf 0: only bsdf_sample reaches it. A material may have delta lobes and
-// others at once: then pdf integrates to the chance of the others. f(wo, wi) = f(wi, wo) for
-// reflection; f_radiance(wo, wi) = f_importance(wi, wo) for transmission.
+// subpath came from. bsdf_eval is relative to the geometry: what arrives is to be multiplied by the
+// cosine of wi to ng, in both modes; shading normals are in it. So f_radiance(wo, wi) =
+// f_importance(wi, wo), always; where normals do not lean, f(wo, wi) = f(wi, wo) for reflection.
+// Densities are per solid angle, without roulette. A delta lobe has eval and pdf 0: only bsdf_sample
+// reaches it. A material may have delta lobes and others at once: then pdf integrates to the chance of
+// the others.
 
 const TRANSPORT_RADIANCE: u32 = 0u;
 const TRANSPORT_IMPORTANCE: u32 = 1u;
@@ -20,7 +22,7 @@ struct BsdfSample {
     wi: vec3<f32>,
     /// Density per solid angle; 1 for a delta lobe, 0 if nothing was sampled.
     pdf: f32,
-    /// f |cos_s(wi)| / pdf in the mode asked for; the adjoint factor is the caller's.
+    /// f |cos_g(wi)| / pdf in the mode asked for.
     weight: vec3<f32>,
     is_delta: bool,
     /// Crossed to the other side.
@@ -53,75 +55,42 @@ fn survival(material: Material) -> f32 {
     return clamp(material.albedo, MIN_SURVIVAL, select(DELTA_SURVIVAL, MAX_SURVIVAL, is_connectible(material)));
 }
 
-/// Whether wi and wo both leave the same side, by both normals.
-fn same_side(frame: Frame, wo: vec3<f32>, wi: vec3<f32>) -> bool {
-    let side = select(-1.0, 1.0, dot(frame.ng, wo) > 0.0);
-    return side * dot(frame.ng, wi) > 0.0 && side * dot(frame.ns, wi) > 0.0 && side * dot(frame.ns, wo) > 0.0;
-}
-
-/// Whether they leave opposite sides, by both normals.
-fn opposite_sides(frame: Frame, wo: vec3<f32>, wi: vec3<f32>) -> bool {
-    let side = select(-1.0, 1.0, dot(frame.ng, wo) > 0.0);
-    return side * dot(frame.ng, wi) < 0.0 && side * dot(frame.ns, wi) < 0.0 && side * dot(frame.ns, wo) > 0.0;
-}
-
 /// Whether light on wo's side is absorbed.
 fn absorbs(material: Material, frame: Frame, wo: vec3<f32>) -> bool {
     return (material.flags & MATERIAL_FRONT_ONLY) != 0u && dot(frame.ng, wo) <= 0.0;
 }
 
-/// The shading frame with its normal on wo's side: columns along the tangent turned by the
-/// material's rotation, across it, and the normal.
-fn local_basis(material: Material, frame: Frame, wo: vec3<f32>) -> mat3x3<f32> {
-    let n = select(-frame.ns, frame.ns, dot(frame.ng, wo) > 0.0);
-    if (!may_have(FEATURE_ANISOTROPY) || material.alpha.x == material.alpha.y) {
-        return frame_from_normal(n);
-    }
-    let flat_tangent = frame.tangent - n * dot(n, frame.tangent);
-    let size2 = dot(flat_tangent, flat_tangent);
-    var x = flat_tangent * inverseSqrt(max(size2, 1e-30));
-    if (size2 < 1e-12) {
-        x = frame_from_normal(n)[0];
-    }
-    let y = frame.bitangent_sign * cross(frame.ns, x);
-    let along = material.rotation.x * x + material.rotation.y * y;
-    return mat3x3<f32>(along, cross(n, along), n);
-}
-
-/// f(wo, wi), per steradian, no cosine; 0 for delta lobes.
+/// f(wo, wi), per steradian, times the light's cosine to the shading normal over that to ng; 0 for
+/// delta lobes.
 fn bsdf_eval(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> vec3<f32> {
-    let reflects = same_side(frame, wo, wi);
-    if (is_diffuse(material)) {
-        return select(vec3<f32>(0.0), material.reflectance * INV_PI, reflects && !absorbs(material, frame, wo));
-    }
-    if (!is_connectible(material) || absorbs(material, frame, wo)) {
+    let to_camera = select(wi, wo, mode == TRANSPORT_RADIANCE);
+    let to_light = select(wo, wi, mode == TRANSPORT_RADIANCE);
+    let cos_light = abs(dot(frame.ng, to_light));
+    if (!is_connectible(material) || absorbs(material, frame, wo) || cos_light == 0.0) {
         return vec3<f32>(0.0);
     }
-    let front = dot(frame.ng, wo) > 0.0;
-    let basis = local_basis(material, frame, wo);
-    if (reflects) {
-        return eval_reflected(material, front, wo * basis, wi * basis);
+    if (is_diffuse(material)) {
+        return material.reflectance * (diffuse_lobes(frame, to_camera, to_light, 1.0, share_cut_off(dot(frame.ng, frame.ns))) / cos_light);
     }
-    if (opposite_sides(frame, wo, wi)) {
-        return eval_transmitted(material, front, wo * basis, wi * basis, mode);
-    }
-    return vec3<f32>(0.0);
+    let seen = see_from(material, frame, to_camera);
+    return eval_leaning(material, seen, to_camera * seen.basis, to_light * seen.basis) / cos_light;
 }
 
-/// Density of wi given wo, per solid angle; 0 for delta lobes. The same in both modes.
-fn bsdf_pdf(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
-    let reflects = same_side(frame, wo, wi);
+/// Density of wi given wo, per solid angle; 0 for delta lobes. By the mode of the path that comes from
+/// wo: the reverse of a camera path's scattering is a light path's.
+fn bsdf_pdf(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> f32 {
+    let cos_g = dot(frame.ng, wi);
+    let reflects = cos_g * dot(frame.ng, wo) > 0.0;
+    if (!is_connectible(material) || absorbs(material, frame, wo) || cos_g == 0.0) {
+        return 0.0;
+    }
     if (is_diffuse(material)) {
-        return select(0.0, abs(dot(frame.ns, wi)) * INV_PI, reflects && !absorbs(material, frame, wo));
+        return diffuse_pdf(frame, wo, wi, mode);
     }
-    if (!is_connectible(material) || absorbs(material, frame, wo)) {
-        return 0.0;
-    }
-    if (!reflects && !opposite_sides(frame, wo, wi)) {
-        return 0.0;
-    }
-    let basis = local_basis(material, frame, wo);
-    return lobes_pdf(material, dot(frame.ng, wo) > 0.0, wo * basis, wi * basis);
+    let seen = see_from(material, frame, wo);
+    let stray = stray_chance(material, frame, mode);
+    return mix(leaning_pdf(material, seen, wo * seen.basis, wi * seen.basis, mode),
+        stray_share(material, reflects) * abs(cos_g) * INV_PI, stray);
 }
 
 /// Draws wi for wo. u: two numbers for a direction and one for a choice of lobe.
@@ -133,28 +102,9 @@ fn bsdf_sample(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>, mo
         return no_sample();
     }
     if (is_diffuse(material)) {
-        return sample_diffuse(material, frame, wo, u.xy);
+        return sample_diffuse(material, frame, wo, u, mode);
     }
     return sample_lobes(material, frame, wo, u, mode);
-}
-
-fn sample_diffuse(material: Material, frame: Frame, wo: vec3<f32>, u: vec2<f32>) -> BsdfSample {
-    let side = select(-1.0, 1.0, dot(frame.ng, wo) > 0.0);
-    let local = sample_cosine_hemisphere(u);
-    let wi = frame_from_normal(side * frame.ns) * local;
-    let pdf = local.z * INV_PI;
-    if (pdf <= 0.0 || !same_side(frame, wo, wi)) {
-        return no_sample();
-    }
-    return BsdfSample(wi, pdf, material.reflectance, false, false);
-}
-
-/// What shading normals owe the adjoint: |cos_s(wo) cos_g(wi)| / |cos_g(wo) cos_s(wi)| with wo
-/// towards the light side (Veach 1997, section 5.3.2). For light-subpath vertices only.
-fn adjoint_factor(frame: Frame, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
-    let denominator = abs(dot(frame.ng, wo) * dot(frame.ns, wi));
-    let numerator = abs(dot(frame.ns, wo) * dot(frame.ng, wi));
-    return select(0.0, numerator / max(denominator, 1e-30), denominator > 0.0);
 }
 
 /// Radiance emitted towards wo, which is on the front where dot(ng, wo) > 0.

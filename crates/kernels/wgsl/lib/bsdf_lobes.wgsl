@@ -78,6 +78,23 @@ fn loss_at(material: Material, front: bool, mu: f32) -> f32 {
     return curve_at(material.curves.a, mu);
 }
 
+const LN_4: f32 = 1.386294361;
+
+/// The same for a direction: a stretched surface loses more along the α that is smaller, the more the
+/// closer to grazing (fitted to quadrature).
+fn loss_towards(material: Material, front: bool, w: vec3<f32>) -> f32 {
+    let loss = loss_at(material, front, w.z);
+    if (material.alpha.x == material.alpha.y) {
+        return loss;
+    }
+    let along = material.alpha * w.xy;
+    let mean = mean_alpha(material.alpha);
+    let ratio = clamp(mean * mean * dot(w.xy, w.xy) / max(dot(along, along), 1e-20), 0.1, 4.0);
+    let oblique = 1.0 - saturate(w.z);
+    let exponent = 0.5 * stretch_known(material.alpha) * oblique * oblique * oblique;
+    return min(loss * pow_unit(0.25 * ratio, exponent) / exp_negative(-LN_4 * exponent), 1.0);
+}
+
 fn ms_at(material: Material, front: bool) -> vec3<f32> {
     return select(material.ms_back, material.ms_front, front);
 }
@@ -121,45 +138,55 @@ fn lobe_chances(material: Material, front: bool, mu: f32) -> Lobes {
     return Lobes(facets * scale, reflected * scale, transmitted * scale, coat * scale);
 }
 
-/// Reflection, no delta lobes.
+/// Reflection by facets, no delta lobes.
 fn eval_reflected(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
     var f = vec3<f32>(0.0);
     let h = reflecting_facet(wo, wi);
     let cos_h = dot(wo, h);
     if (!is_smooth(material)) {
         let facets = ggx_distribution(material.alpha, h) * ggx_visibility(material.alpha, wo, wi) * 0.25;
-        f = interface_split(material, front, cos_h).reflected * facets
-            + ms_at(material, front) * (loss_at(material, front, wo.z) * loss_at(material, front, wi.z));
+        f = interface_split(material, front, cos_h).reflected * facets;
+    }
+    if (!is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS) || !has_layers(material, front)) {
+        return f;
+    }
+    f *= layers_between(material, wo.z, wi.z);
+    if (may_have(FEATURE_LAYERS) && material.coat > 0.0 && material.coat_alpha > 0.0) {
+        let alpha = vec2<f32>(material.coat_alpha);
+        let facets = ggx_distribution(alpha, h) * ggx_visibility(alpha, wo, wi) * 0.25;
+        f += vec3<f32>(facets * coat_fresnel(material, cos_h));
+    }
+    return f;
+}
+
+/// Reflection by multiple bounces and the base: by the cosines (z), of stretched surfaces by the
+/// direction (xy, of any length) too.
+fn eval_base(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
+    var f = vec3<f32>(0.0);
+    let mu_o = wo.z;
+    let mu_i = wi.z;
+    if (!is_smooth(material)) {
+        f = ms_at(material, front) * (loss_towards(material, front, wo) * loss_towards(material, front, wi));
     }
     if (!has_layers(material, front)) {
         return f;
     }
     if (is_kind(material.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
-        return f + material.reflectance * plastic_through(material, wo.z) * plastic_through(material, wi.z);
+        return f + material.reflectance * plastic_through(material, mu_o) * plastic_through(material, mu_i);
     }
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
-        f *= min(metallic_layers(material, wo.z), metallic_layers(material, wi.z));
-        f += material.reflectance * metallic_through(material, wo.z) * metallic_through(material, wi.z);
-        f += eval_coat_and_sheen(material, wo, wi, h, cos_h);
+        f *= layers_between(material, mu_o, mu_i);
+        f += material.reflectance * metallic_through(material, mu_o) * metallic_through(material, mu_i);
     }
     return f;
 }
 
-fn eval_coat_and_sheen(material: Material, wo: vec3<f32>, wi: vec3<f32>, h: vec3<f32>, cos_h: f32) -> vec3<f32> {
-    var f = vec3<f32>(0.0);
-    if (!may_have(FEATURE_LAYERS)) {
-        return f;
+fn eval_sheen(material: Material, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
+    if (!may_have(FEATURE_LAYERS) || material.kind != SURFACE_METALLIC_ROUGHNESS || max3(material.sheen) == 0.0) {
+        return vec3<f32>(0.0);
     }
-    if (max3(material.sheen) > 0.0) {
-        let covered = min(coat_through(material, wo.z), coat_through(material, wi.z));
-        f = material.sheen * (covered * sheen_eval(material.sheen_alpha, wo, wi));
-    }
-    if (material.coat > 0.0 && material.coat_alpha > 0.0) {
-        let alpha = vec2<f32>(material.coat_alpha);
-        let facets = ggx_distribution(alpha, h) * ggx_visibility(alpha, wo, wi) * 0.25;
-        f += vec3<f32>(facets * (1.0 - coat_through(material, cos_h)));
-    }
-    return f;
+    let covered = min(coat_through(material, wo.z), coat_through(material, wi.z));
+    return material.sheen * (covered * sheen_eval(material.sheen_alpha, wo, wi));
 }
 
 /// Whether a rough interface lets light through.
@@ -167,13 +194,13 @@ fn may_transmit(material: Material) -> bool {
     return may_have(FEATURE_TRANSMISSION) && !is_smooth(material) && max3(material.transmit) > 0.0;
 }
 
-/// Transmission, no delta lobes.
-fn eval_transmitted(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> vec3<f32> {
+/// Transmission, no delta lobes, of radiance from wi to wo.
+fn eval_transmitted(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
     if (!may_transmit(material)) {
         return vec3<f32>(0.0);
     }
     let eta = relative_index(material, front);
-    let loss = loss_at(material, front, wo.z) * loss_at(material, !front, -wi.z);
+    let loss = loss_towards(material, front, wo) * loss_towards(material, !front, vec3<f32>(wi.xy, -wi.z));
     var f = material.ms_transmit * loss;
     if (bends(material)) {
         f *= max(1.0, eta * eta);
@@ -181,11 +208,9 @@ fn eval_transmitted(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32
     f += interface_split_transmitted(material, front, wo, wi, eta);
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
         let outside = metallic_layers(material, select(-wi.z, wo.z, front));
-        let other = metallic_layers(material, select(wo.z, -wi.z, front));
-        f *= select(min(outside, other), outside, bends(material));
+        f *= select(layers_between(material, wo.z, -wi.z), outside, bends(material));
     }
-    let scaled = bends(material) && mode == TRANSPORT_RADIANCE;
-    return select(f, f / (eta * eta), scaled);
+    return select(f, f / (eta * eta), bends(material));
 }
 
 /// Single scattering in importance mode.
@@ -211,17 +236,16 @@ fn refraction_jacobian(wo: vec3<f32>, wi: vec3<f32>, h: vec3<f32>, eta: f32) -> 
     return abs(dot(wi, h)) / max(sum * sum, 1e-20);
 }
 
-/// Density of wi per solid angle, delta lobes left out.
-fn lobes_pdf(material: Material, front: bool, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
-    let chances = lobe_chances(material, front, wo.z);
+/// Density of wi per solid angle, but for delta lobes and cosine lobes on wo's side.
+fn lobes_pdf(material: Material, front: bool, chances: Lobes, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
     if (wi.z < 0.0) {
         return chances.transmitted * -wi.z * INV_PI + chances.facets * transmitted_pdf(material, front, wo, wi);
     }
-    var pdf = chances.reflected * wi.z * INV_PI;
+    var pdf = 0.0;
     let h = reflecting_facet(wo, wi);
     if (!is_smooth(material)) {
         let chance = reflection_chance(interface_split(material, front, dot(wo, h)));
-        pdf += chances.facets * chance * facet_reflection_pdf(material.alpha, wo, h);
+        pdf = chances.facets * chance * facet_reflection_pdf(material.alpha, wo, h);
     }
     if (may_have(FEATURE_LAYERS) && chances.coat > 0.0 && material.coat_alpha > 0.0) {
         pdf += chances.coat * facet_reflection_pdf(vec2<f32>(material.coat_alpha), wo, h);

@@ -55,6 +55,8 @@ struct Albedos {
     a: Curve,
     b: Curve,
     sheen: Curve,
+    /// Albedo of a rough coat.
+    coat: Curve,
 }
 
 /// A surface at a point.
@@ -87,6 +89,8 @@ struct Material {
     coat_alpha: f32,
     sheen_alpha: f32,
     sheen: vec3<f32>,
+    /// What coat and sheen let through, on average over the hemisphere.
+    layers_mean: f32,
     rotation: vec2<f32>,
     curves: Albedos,
 }
@@ -117,10 +121,21 @@ fn interface_alpha(raw: RawMaterial) -> vec2<f32> {
     return select(alpha, stretched, is_stretched);
 }
 
-/// α of the isotropic surface whose albedo stands for an anisotropic one's: their mean, a few
-/// hundredths off where one is five times the other.
+/// α of the isotropic surface that loses as much as an anisotropic one, seen along the normal: the mean
+/// square's root, up to MODERATE_STRETCH; beyond it no isotropic one is alike, and it nears the mean.
 fn mean_alpha(alpha: vec2<f32>) -> f32 {
-    return 0.5 * (alpha.x + alpha.y);
+    return mix(0.5 * (alpha.x + alpha.y), sqrt(0.5 * dot(alpha, alpha)), stretch_known(alpha));
+}
+
+/// How far the two α may be apart for what is lost to be known within 0.03 (by quadrature).
+const MODERATE_STRETCH: f32 = 2.5;
+
+fn stretch_known(alpha: vec2<f32>) -> f32 {
+    return saturate(MODERATE_STRETCH * min(alpha.x, alpha.y) / max(max(alpha.x, alpha.y), MIN_ALPHA));
+}
+
+fn coat_alpha(raw: RawMaterial) -> f32 {
+    return ggx_alpha(vec2<f32>(raw.k_or_coat.y), true).x;
 }
 
 fn sheen_alpha(raw: RawMaterial) -> f32 {
@@ -151,8 +166,8 @@ fn bends(material: Material) -> bool {
 fn plain_material(raw: RawMaterial) -> Material {
     let zero = vec3<f32>(0.0);
     return Material(raw.color, raw.kind, raw.emission, raw.ior, raw.flags | MATERIAL_CONNECTIBLE, max3(raw.color), vec2<f32>(0.0),
-        zero, zero, zero, zero, zero, zero, zero, zero, 0.0, zero, 0.0, 0.0, 0.0, zero, raw.rotation,
-        Albedos(no_curve(), no_curve(), no_curve()));
+        zero, zero, zero, zero, zero, zero, zero, zero, 0.0, zero, 0.0, 0.0, 0.0, zero, 1.0, raw.rotation,
+        Albedos(no_curve(), no_curve(), no_curve(), no_curve()));
 }
 
 /// Everything that follows from a record, with the curves for its α and index.

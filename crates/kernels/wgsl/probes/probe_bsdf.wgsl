@@ -6,7 +6,7 @@
 /// Curves of about the size of those in the tables.
 fn probe_albedos() -> Albedos {
     let loss = Curve(vec4<f32>(0.4, -0.5, 0.2, 0.0), vec4<f32>(0.0));
-    return Albedos(loss, Curve(vec4<f32>(0.3, -0.2, 0.0, 0.0), vec4<f32>(0.0)), loss);
+    return Albedos(loss, Curve(vec4<f32>(0.3, -0.2, 0.0, 0.0), vec4<f32>(0.0)), loss, loss);
 }
 
 fn probe_material(index: u32, u: vec4<f32>, colour: vec4<f32>) -> Material {
@@ -34,6 +34,6 @@ fn probe_bsdf(@builtin(global_invocation_id) id: vec3<u32>) {
     let sampled = bsdf_sample(material, frame, wo, u.xyz, mode);
     probe_output(id.x, 0u, vec4<f32>(sampled.wi, sampled.pdf));
     probe_output(id.x, 1u, vec4<f32>(sampled.weight, f32(sampled.is_delta) + 2.0 * f32(sampled.transmitted)));
-    probe_output(id.x, 2u, vec4<f32>(bsdf_eval(material, frame, wo, sampled.wi, mode), bsdf_pdf(material, frame, wo, sampled.wi)));
-    probe_output(id.x, 3u, vec4<f32>(survival(material), adjoint_factor(frame, wo, sampled.wi), fresnel_dielectric(u.w, material.ior)));
+    probe_output(id.x, 2u, vec4<f32>(bsdf_eval(material, frame, wo, sampled.wi, mode), bsdf_pdf(material, frame, wo, sampled.wi, mode)));
+    probe_output(id.x, 3u, vec4<f32>(survival(material), adjoint_cosines(frame, wo, sampled.wi, mode), fresnel_dielectric(u.w, material.ior)));
 }

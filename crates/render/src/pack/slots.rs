@@ -140,5 +140,8 @@ impl Writer<'_> {
         ] {
             self.scalar(slot, input);
         }
+        if let Some(texture) = &model.anisotropy_direction {
+            self.texture(k::SLOT_ANISOTROPY_DIRECTION, texture, Channel::R);
+        }
     }
 }

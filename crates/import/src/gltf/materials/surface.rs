@@ -6,7 +6,7 @@ use midway_scene::{
 };
 
 use super::{Base, Reader, glossiness};
-use crate::{ImportError, gltf::json::Json, warning::WarningKind};
+use crate::{ImportError, gltf::json::Json, images::Encoding, warning::WarningKind};
 
 /// The least attenuation colour: a channel that is black at some distance absorbs this much.
 const LEAST_ATTENUATION: f32 = 1e-7;
@@ -143,9 +143,9 @@ impl Reader<'_, '_> {
         let texture = ("anisotropyTexture", Channel::B);
         model.anisotropy = self.scalar(&anisotropy, ("anisotropyStrength", 0.0), texture)?;
         model.anisotropy_rotation = anisotropy.float_or("anisotropyRotation", 0.0)?;
-        if anisotropy.get("anisotropyTexture").is_some() {
-            let message = "directions in anisotropy textures are not used, their strengths are";
-            self.warnings.add(WarningKind::Texture, anisotropy.pointer(), message);
+        if model.anisotropy.value > 0.0 {
+            let (key, encoding) = ("anisotropyTexture", Encoding::Linear);
+            model.anisotropy_direction = self.textures.texture(&anisotropy, key, encoding, self.warnings)?;
         }
         Ok(())
     }
