@@ -1,38 +1,65 @@
-//! The gallery: every scene of the project by every integrator, each for the same time.
+//! The gallery: the project's own boxes by every integrator, each for the same time; and scenes that
+//! people have, with sheets of all materials and lights.
 
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, Instant},
 };
 
 use anyhow::{Context, Result};
-use clap::Args;
+use clap::{Args, ValueEnum};
+use glam::{Mat3, Vec3};
 use midway_device::{Device, OpenOptions, open_device};
 use midway_film::Display;
 use midway_render::{Integrator, IntegratorSettings, Join, LightPaths, RenderSettings, Renderer};
-use midway_scene::Scene;
+use midway_scene::{Environment, Scene, Surface};
 
 use crate::sheet::{Cell, Sheet};
 
-/// The scenes, in the order of the rows.
-const SCENES: [&str; 3] = ["cornell-box", "glass-caustic", "lamp"];
+/// The boxes, in the order of the rows.
+const BOXES: [&str; 3] = ["cornell-box", "glass-caustic", "lamp"];
+/// Scenes that people have, below the folder of scenes, each with its caption.
+const OTHERS: [(&str, &str); 3] = [
+    ("Sponza", "sponza/sponza-area.gltf"),
+    ("Veach's door", "transport/veach-ajar/veach-ajar.gltf"),
+    ("kitchen by Jay-Artist, CC BY", "transport/kitchen/kitchen.gltf"),
+];
+/// The sheets.
+const SHEETS: [(&str, &str); 2] =
+    [("materials", "scenes/material-sheet.gltf"), ("lights", "scenes/light-sheet.gltf")];
+/// What the materials are shown under once more.
+const SKY: &str = "tests/scenes/mitsuba/sky.exr";
 
 /// `cargo xtask gallery`.
 #[derive(Args, Debug)]
 pub struct GalleryArgs {
+    /// Which of the two pictures.
+    #[arg(value_enum)]
+    what: What,
+    /// The folder of scenes that people have.
+    #[arg(long, default_value = "../shared/scenes")]
+    scenes: PathBuf,
     /// Seconds for each picture.
     #[arg(long, default_value_t = 10.0)]
     seconds: f64,
-    /// Pixels along each side of a picture.
+    /// Pixels across a picture.
     #[arg(long, default_value_t = 256)]
     size: u32,
     /// As `midway render --device`.
     #[arg(long, default_value = "auto")]
     device: String,
     /// The picture to write.
-    #[arg(short, long, default_value = "docs/gallery.png")]
+    #[arg(short, long)]
     output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum What {
+    /// The boxes by every integrator.
+    Integrators,
+    /// Scenes that people have, and sheets of materials and lights.
+    Scenes,
 }
 
 /// Renders and writes the gallery.
@@ -41,22 +68,67 @@ pub struct GalleryArgs {
 /// If a scene cannot be read, the device fails, or the picture cannot be written.
 pub fn run(args: &GalleryArgs) -> Result<()> {
     let device = open_device(&args.device, &OpenOptions::default())?;
-    let mut rows = Vec::new();
-    for name in SCENES {
-        let path = PathBuf::from("scenes").join(name).with_extension("gltf");
-        let scene = midway_import::load(&path)?.scene;
-        let cells = integrators()
-            .into_iter()
-            .map(|(label, integrator)| render(&device, &scene, args, label, integrator))
-            .collect::<Result<Vec<_>>>()
-            .with_context(|| path.display().to_string())?;
-        rows.push(cells);
-    }
+    let rows = match args.what {
+        What::Integrators => boxes(&device, args)?,
+        What::Scenes => others(&device, args)?,
+    };
     let (size, seconds) = (args.size, args.seconds);
-    let title = format!("{size} x {size} pixels, {seconds} s each on {}", device.info().name);
+    let title = format!("{size} pixels across, {seconds} s each on {}", device.info().name);
     Sheet { title, rows }.write(&args.output, Display::default())?;
     println!("written: {}", args.output.display());
     Ok(())
+}
+
+fn boxes(device: &Arc<dyn Device>, args: &GalleryArgs) -> Result<Vec<Vec<Cell>>> {
+    let row = |name: &str| {
+        let path = Path::new("scenes").join(name).with_extension("gltf");
+        let scene = midway_import::load(&path)?.scene;
+        let cells = integrators().into_iter();
+        cells
+            .map(|(label, integrator)| render(device, &scene, args, label, integrator, args.size))
+            .collect::<Result<Vec<_>>>()
+            .with_context(|| path.display().to_string())
+    };
+    BOXES.into_iter().map(row).collect()
+}
+
+/// Two to a row, those left out that are not there.
+fn others(device: &Arc<dyn Device>, args: &GalleryArgs) -> Result<Vec<Vec<Cell>>> {
+    let far = OTHERS.map(|(label, file)| (label, args.scenes.join(file)));
+    let near = SHEETS.map(|(label, file)| (label, PathBuf::from(file)));
+    let mut cells = Vec::new();
+    let mut add = |label: &str, scene: &Scene| -> Result<()> {
+        let bdpt = IntegratorSettings { integrator: Integrator::Bdpt, ..IntegratorSettings::default() };
+        cells.push(render(device, scene, args, label, bdpt, args.size * 3 / 4)?);
+        Ok(())
+    };
+    for (label, path) in far.into_iter().chain(near) {
+        if path.is_file() {
+            add(label, &midway_import::load(&path)?.scene).with_context(|| path.display().to_string())?;
+        } else {
+            println!("left out: {} is not there", path.display());
+        }
+    }
+    add("materials under a sky", &under_sky(midway_import::load(SHEETS[0].1.as_ref())?.scene)?)?;
+    let mut rows = Vec::new();
+    while !cells.is_empty() {
+        let rest = cells.split_off(cells.len().min(2));
+        rows.push(std::mem::replace(&mut cells, rest));
+    }
+    Ok(rows)
+}
+
+/// The scene without its lamps, lit by an environment.
+fn under_sky(mut scene: Scene) -> Result<Scene> {
+    for material in scene.materials.iter_mut().filter(|m| m.name == "lamp" || m.name == "strip") {
+        (material.emission, material.surface) = (Vec3::ZERO.into(), Surface::Null);
+    }
+    let (image, _) = midway_import::load_environment(SKY.as_ref())?;
+    let index = scene.images.len() as u32;
+    scene.environment =
+        Some(Environment { radiance: Vec3::ONE, image: Some(index), world_from_environment: Mat3::IDENTITY });
+    scene.images.push(image);
+    Ok(scene)
 }
 
 /// What each column shows.
@@ -83,9 +155,9 @@ fn render(
     args: &GalleryArgs,
     label: &str,
     integrator: IntegratorSettings,
+    height: u32,
 ) -> Result<Cell> {
-    let settings =
-        RenderSettings { width: args.size, height: args.size, integrator, ..RenderSettings::default() };
+    let settings = RenderSettings { width: args.size, height, integrator, ..RenderSettings::default() };
     let mut renderer = Renderer::new(device.clone(), scene, &scene.cameras[0], settings)?;
     let limit = Duration::try_from_secs_f64(args.seconds)?;
     let start = Instant::now();

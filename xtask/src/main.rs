@@ -5,6 +5,7 @@ mod gallery;
 mod half;
 mod mutants;
 mod pyramid;
+mod references;
 mod sheet;
 
 use std::{path::PathBuf, process::ExitCode};
@@ -28,6 +29,8 @@ enum Chore {
     Pyramid(pyramid::PyramidArgs),
     /// Render the project's scenes by every integrator for equal time, as one labelled picture.
     Gallery(gallery::GalleryArgs),
+    /// Render scenes that other renderers have rendered, and print how the pictures compare.
+    References(references::ReferencesArgs),
     /// Print the expected error of either of two independent renders, without a reference.
     Half {
         /// One render (EXR).
@@ -54,6 +57,7 @@ fn run(chore: Chore) -> Result<bool> {
         Chore::Mutants(args) => mutants::run(&args),
         Chore::Pyramid(args) => pyramid::run(&args).map(|()| true),
         Chore::Gallery(args) => gallery::run(&args).map(|()| true),
+        Chore::References(args) => references::run(&args),
         Chore::Half { a, b } => half::run(&a, &b).map(|()| true),
     }
 }

@@ -1,5 +1,7 @@
 //! `midway info`.
 
+use midway_device::Bytes;
+use midway_render::PackedScene;
 use midway_scene::{Bounds, Camera, Material, Projection, Scene, Sides, Surface};
 use serde_json::{Value, json};
 
@@ -7,23 +9,62 @@ use crate::{
     args::InfoArgs,
     console, light_info,
     scene_file::{self, LoadedScene},
-    status::Outcome,
+    status::{OrStatus, Outcome, Status},
 };
 
 /// Prints what a scene file holds.
 ///
 /// # Errors
-/// [`crate::status::Status::Input`] if it cannot be read.
+/// [`Status::Input`] if it cannot be read, or cannot be rendered.
 pub fn run(args: &InfoArgs) -> Outcome {
     let loaded = scene_file::load(&args.scene)?;
+    let memory = Memory::of(&loaded.scene)?;
     if args.json {
-        return console::output(&to_json(&loaded).to_string());
+        return console::output(&to_json(&loaded, &memory).to_string());
     }
     scene_file::print_warnings(&loaded.warnings());
-    to_lines(&loaded.scene).iter().try_for_each(|line| console::output(line))
+    let lines = to_lines(&loaded.scene);
+    lines.iter().chain([&memory.to_line()]).try_for_each(|line| console::output(line))
 }
 
-fn to_json(loaded: &LoadedScene) -> Value {
+/// Bytes that the scene takes on a device, to which a render adds film and paths.
+struct Memory {
+    hierarchies: u64,
+    geometry: u64,
+    images: u64,
+}
+
+impl Memory {
+    fn of(scene: &Scene) -> Outcome<Self> {
+        let packed = PackedScene::new(scene, &scene.cameras[0], None).or_status(Status::Input)?;
+        Ok(Self {
+            hierarchies: size_of_val(&packed.nodes[..]) as u64,
+            geometry: (size_of_val(&packed.triangles[..]) + size_of_val(&packed.scene[..])) as u64,
+            images: packed.images.bytes(),
+        })
+    }
+
+    fn total(&self) -> u64 {
+        self.hierarchies + self.geometry + self.images
+    }
+
+    fn to_json(&self) -> Value {
+        json!({
+            "hierarchies_bytes": self.hierarchies, "geometry_bytes": self.geometry,
+            "images_bytes": self.images, "total_bytes": self.total(),
+        })
+    }
+
+    fn to_line(&self) -> String {
+        let [total, hierarchies, geometry, images] =
+            [self.total(), self.hierarchies, self.geometry, self.images].map(Bytes);
+        format!(
+            "memory     {total} on the device: hierarchies {hierarchies}, geometry and lights {geometry}, images {images}"
+        )
+    }
+}
+
+fn to_json(loaded: &LoadedScene, memory: &Memory) -> Value {
     let scene = &loaded.scene;
     let counts = scene.counts();
     let bounds = scene.bounds();
@@ -34,6 +75,8 @@ fn to_json(loaded: &LoadedScene) -> Value {
         "meshes": counts.meshes,
         "instances": counts.instances,
         "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
+        "images": counts.images,
+        "memory": memory.to_json(),
         "materials": Value::from_iter(scene.materials.iter().map(material_json)),
         "cameras": Value::from_iter(scene.cameras.iter().map(camera_json)),
         "lighting": light_info::to_json(scene),
@@ -51,9 +94,17 @@ fn material_json(material: &Material) -> Value {
 }
 
 fn camera_json(camera: &Camera) -> Value {
+    let height = match camera.projection {
+        Projection::Perspective { .. } => None,
+        Projection::Orthographic { height } => Some(height),
+    };
     json!({
         "name": camera.name,
         "yfov_degrees": camera.yfov().map(f32::to_degrees),
+        "orthographic_height": height,
+        "lens_radius": camera.lens_radius,
+        "focus_distance": camera.focus_distance,
+        "resolution": camera.resolution,
         "aspect": camera.aspect,
         "position": camera.position().to_array(),
     })
@@ -66,6 +117,7 @@ pub fn to_lines(scene: &Scene) -> Vec<String> {
     let mut lines = vec![
         format!("triangles  {} ({} emit)", counts.triangles, counts.emissive_triangles),
         format!("meshes     {} in {} instances", counts.meshes, counts.instances),
+        format!("images     {}", counts.images),
         format!("bounds     ({}, {}, {}) to ({}, {}, {})", min.x, min.y, min.z, max.x, max.y, max.z),
         format!("hash       {}", scene.hash()),
         format!("cameras    {}", counts.cameras),

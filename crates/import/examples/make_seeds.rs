@@ -29,7 +29,23 @@ fn main() -> std::io::Result<()> {
     write("obj", "all.obj", OBJ.as_bytes())?;
     write("gltf", "all.gltf", GLTF.as_bytes())?;
     write("glb", "triangle.glb", &glb())?;
-    write("meshopt", "indices", &[2, 0, 4, 3, 0, 0xd1, 0, 4, 4, 0, 0, 0, 0])
+    write("meshopt", "indices", &[2, 0, 4, 3, 0, 0xd1, 0, 4, 4, 0, 0, 0, 0])?;
+    write("mitsuba", "all.xml", include_bytes!("seeds/all.xml"))?;
+    write("pbrt", "v4.pbrt", include_bytes!("seeds/v4.pbrt"))?;
+    write("pbrt", "v3.pbrt", include_bytes!("seeds/v3.pbrt"))?;
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes");
+    for entry in fs::read_dir(scenes.join("mitsuba"))? {
+        let path = entry?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if path.extension().is_some_and(|e| e == "xml") {
+            write("mitsuba", &name, &fs::read(&path)?)?;
+        }
+    }
+    let meshes = fs::read(scenes.join("mitsuba/meshes.serialized"))?;
+    for index in 0..2u8 {
+        write("serialized", &index.to_string(), &[&[index], &meshes[..]].concat())?;
+    }
+    write("pbrt", "box.pbrt", &fs::read(scenes.join("same/box.pbrt"))?)
 }
 
 fn encoded(pixels: &DynamicImage, format: ImageFormat) -> Vec<u8> {

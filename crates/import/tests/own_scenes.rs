@@ -1,9 +1,9 @@
-//! The project's own scenes, which `examples/make_scenes.rs` writes.
+//! The project's own scenes, which `examples/make_scenes` writes.
 
 use std::path::{Path, PathBuf};
 
 use midway_import::{Import, load};
-use midway_scene::Surface;
+use midway_scene::{LightKind, Opacity, Surface};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -23,6 +23,32 @@ fn they_load_whole() {
     assert_eq!((counts.triangles, counts.emissive_triangles), (40, 2));
     let counts = own("glass-caustic.gltf").scene.counts();
     assert_eq!((counts.triangles, counts.emissive_triangles), (20 * 4usize.pow(5) + 12, 2));
+}
+
+#[test]
+fn the_sheets_have_every_kind() {
+    let materials = own("material-sheet.gltf").scene;
+    // Floor, wall, two lamps, 20 balls.
+    assert_eq!((materials.materials.len(), materials.counts().cameras), (24, 1));
+    let has = |is: fn(&Surface) -> bool| materials.materials.iter().any(|m| is(&m.surface));
+    assert!(has(|s| matches!(s, Surface::Diffuse { .. })));
+    assert!(has(|s| matches!(s, Surface::Dielectric { thin: false, .. })));
+    assert!(has(|s| matches!(s, Surface::MetallicRoughness(m) if m.anisotropy.value > 0.0)));
+    assert!(has(|s| matches!(s, Surface::MetallicRoughness(m) if m.clearcoat.value > 0.0)));
+    assert!(has(|s| matches!(s, Surface::MetallicRoughness(m) if m.sheen_color.value.max_element() > 0.0)));
+    assert!(materials.materials.iter().any(|m| m.normal_map.is_some()));
+    assert!(materials.materials.iter().any(|m| matches!(m.opacity, Opacity::Mask(..))));
+    assert!(materials.materials.iter().any(|m| matches!(m.opacity, Opacity::Blend(..))));
+    let lights = own("light-sheet.gltf").scene;
+    let kinds = lights.lights.iter().map(|light| match light.kind {
+        LightKind::Point { .. } => "point",
+        LightKind::Spot { .. } => "spot",
+        LightKind::Directional { .. } => "directional",
+    });
+    assert!(kinds.eq(["point", "spot", "directional"]));
+    let emissive: Vec<_> = lights.materials.iter().filter(|m| m.is_emissive()).collect();
+    assert_eq!(emissive.len(), 3);
+    assert_eq!(emissive.iter().filter(|m| m.emission.texture.is_some()).count(), 1);
 }
 
 #[test]

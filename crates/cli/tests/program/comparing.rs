@@ -88,7 +88,13 @@ fn info_counts() {
     let power = object["lighting"]["emissive_triangles_power"][0].as_f64().unwrap();
     assert!((power - 35.543).abs() <= 1e-3, "{power}");
     assert!(object["lighting"]["environment"].is_null());
+    let memory = |part: &str| object["memory"][part].as_u64().unwrap();
+    let parts = ["hierarchies_bytes", "geometry_bytes", "images_bytes"].map(memory);
+    // 112 bytes a triangle: 64 to shade, 48 to hit.
+    assert!(parts[0] >= 64 && parts[1] >= 6 * 112 && memory("total_bytes") == parts.iter().sum::<u64>());
+    assert_eq!(object["cameras"][0]["lens_radius"], 0.0);
     let text = sandbox.expect(0, &["info", "scene.obj"]).stdout;
+    assert!(text.contains("memory     "), "{text}");
     assert!(text.contains("triangles  6 (4 emit)") && text.contains("emissive triangles: 35.543"), "{text}");
 }
 

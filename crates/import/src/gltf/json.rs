@@ -16,9 +16,9 @@ pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Value, ImportError> {
     })
 }
 
-/// A key as JSON pointers write it (RFC 6901).
+/// A key as JSON pointers write it (RFC 6901), on one line.
 pub(super) fn escaped(key: &str) -> String {
-    key.replace('~', "~0").replace('/', "~1")
+    key.replace('~', "~0").replace('/', "~1").replace(char::is_control, "?")
 }
 
 /// A value and its pointer.

@@ -27,6 +27,11 @@ pub(super) fn size(reader: &mut impl Read) -> Result<[u32; 2], Problem> {
     if depth > 0 || layers > 1 || faces != 1 {
         return Err(damaged("it is no two-dimensional image"));
     }
+    // The decoder steps over pairs by their padded length, past the end where that is not padded.
+    let [pairs_at, pairs_bytes] = [word(56), word(60)];
+    if pairs_bytes > 0 && !pairs_at.wrapping_add(pairs_bytes).is_multiple_of(4) {
+        return Err(damaged("its keys and values do not end at a multiple of 4"));
+    }
     let inflated = u64::from(word(96)) | u64::from(word(100)) << 32;
     // Blocks of the smallest images are larger than these.
     let texels = u64::from(width.max(64)) * u64::from(height.max(64));
@@ -42,4 +47,24 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Arc<[[u8; 4]]>, Problem> {
     let transcoder = Transcoder::new(bytes).map_err(error)?;
     let rgba = transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE).map_err(error)?;
     Ok(rgba.as_chunks().0.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Found by the fuzz target: such a file made the decoder panic.
+    #[test]
+    fn pairs_that_end_between_words_are_refused() {
+        let header = |pairs_bytes: u32| {
+            let mut header = [0; HEADER_BYTES];
+            let words = [(20, 4u32), (24, 4), (36, 1), (56, HEADER_BYTES as u32), (60, pairs_bytes)];
+            for (at, word) in words {
+                header[at..at + 4].copy_from_slice(&word.to_le_bytes());
+            }
+            header
+        };
+        assert_eq!(size(&mut &header(8)[..]).unwrap(), [4, 4]);
+        assert!(size(&mut &header(7)[..]).is_err());
+    }
 }

@@ -174,7 +174,9 @@ impl Reader<'_> {
         let options = ParsingOptions { nodes_limit: 2 * MAX_ELEMENTS as u32, ..ParsingOptions::default() };
         let xml = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
             let place = Place::new(&place.file, error.pos().row.to_string());
-            malformed(place, format!("it is not XML that is read ({error})"))
+            // It quotes the file, line breaks and all.
+            let why = shortened(&error.to_string());
+            malformed(place, format!("it is not XML that is read ({why})"))
         })?;
         let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
         let file = File { place, lines };
