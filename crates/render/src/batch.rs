@@ -142,6 +142,17 @@ impl Lane {
         self.size
     }
 
+    /// Takes on another size, where its buffers have room for it. Only own light vertices may move.
+    pub fn resize(&mut self, size: LaneSize) -> bool {
+        let slots = |size: LaneSize| u64::from(size.append_at) + u64::from(size.append_capacity);
+        let fits = size.n_paths == self.size.n_paths && slots(size) <= slots(self.size);
+        if fits {
+            self.size.append_capacity = self.size.append_at + self.size.append_capacity - size.append_at;
+            self.size.append_at = size.append_at;
+        }
+        fits
+    }
+
     /// The longest list of commands since this was last asked: no dispatch lasted longer.
     pub fn take_longest_run(&self) -> Duration {
         Duration::from_nanos(self.longest_run.swap(0, Ordering::Relaxed))
@@ -277,4 +288,16 @@ pub struct LaneTotals {
     pub rejected: u64,
     /// Film sums that overflowed.
     pub overflowed: u64,
+}
+
+impl std::ops::Add for LaneTotals {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            rejected: self.rejected + other.rejected,
+            overflowed: self.overflowed + other.overflowed,
+        }
+    }
 }

@@ -17,6 +17,7 @@ mod batch;
 mod buffers;
 mod environment;
 mod error;
+mod hold;
 mod lights;
 mod medium;
 mod pack;
@@ -29,6 +30,7 @@ mod world;
 
 pub use aov::Aov;
 pub use error::RenderError;
+pub use hold::{Hold, HoldLimits, Load};
 pub use pack::PackedScene;
 pub use renderer::{RenderStats, Renderer};
 pub use settings::{
