@@ -21,6 +21,8 @@ type Outcome<T = ()> = Result<T, Box<dyn Error + Send + Sync>>;
 const INPUTS: f64 = 60.0;
 /// Requests a second of a client that soaks.
 const SOAK_REQUESTS: f64 = 8.0;
+/// What a client that soaks looks at.
+const LAYERS: [&str; 5] = ["beauty", "normal", "depth", "noise", "albedo"];
 /// Measured after this long: the controller has settled.
 const WARM_UP: Duration = Duration::from_secs(2);
 
@@ -115,7 +117,8 @@ async fn measure(address: &str, time: Duration) -> Outcome<Value> {
 
 fn spread(values: &mut [f64]) -> Value {
     values.sort_by(f64::total_cmp);
-    let at = |share: f64| values.get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1)));
+    let at =
+        |share: f64| values.get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1)));
     json!({ "median": at(0.5), "p99": at(0.99), "least": at(0.0), "most": at(1.0) })
 }
 
@@ -143,7 +146,7 @@ fn any_request(dice: &mut Dice, view: &Value) -> String {
         2 => json!({ "type": "render", "size": [64 + dice.roll(128), 64 + dice.roll(128)] }),
         3 => json!({ "type": "region", "window": if dice.roll(2) == 0 { Value::Null } else { json!([9, 9, 20, 20]) } }),
         4 => json!({ "type": "show", "exposure": f64::from(dice.roll(8)) - 4.0, "tone_map": "aces",
-            "layer": ["beauty", "normal", "depth", "noise", "albedo"][dice.roll(5) as usize] }),
+            "layer": LAYERS[dice.roll(5) as usize] }),
         5 => json!({ "type": "restart" }),
         6 => json!({ "type": "take" }),
         7 => json!({ "type": "pick", "x": 0.4, "y": 0.6 }),

@@ -21,14 +21,15 @@ export class Camera {
     this.target = view.target.slice();
     this.fov = view.fov;
     this.lens = view.lens ?? 0;
+    this.focus = view.focus ?? null;
     // Orbits keep what is up in the world up, unless the camera lies on its side.
     const up = view.up ?? [0, 1, 0];
     this.up = Math.abs(up[1]) > 0.3 ? [0, Math.sign(up[1]), 0] : up.slice();
   }
 
   view() {
-    const { eye, target, up, fov, lens } = this;
-    return { eye, target, up, ...(fov ? { fov } : {}), lens, focus: Math.max(this.distance(), 1e-6) };
+    const { eye, target, up, fov, lens, focus } = this;
+    return { eye, target, up, fov, lens, focus };
   }
 
   distance() { return length(sub(this.eye, this.target)); }
@@ -74,8 +75,11 @@ export class Camera {
     this.target = add(this.target, by);
   }
 
-  /** Turns about a point from now on. */
-  focusOn(point) { this.target = point.slice(); }
+  /** Turns about a point from now on, and has it sharp. */
+  focusOn(point) {
+    this.target = point.slice();
+    this.focus = null;
+  }
 
   /** Sees all of a box, from the same side. */
   frame([least, most]) {

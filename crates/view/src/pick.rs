@@ -25,6 +25,20 @@ pub fn pick(scene: &Scene, camera: &Camera, aspect: f32, [x, y]: [f32; 2]) -> Op
     nearest.is_finite().then(|| origin + direction * nearest)
 }
 
+/// More triangles than this are not asked one by one unless somebody waits for the answer.
+const FEW: usize = 2_000_000;
+
+/// What a camera is to be turned about: what it sees in its middle, or the place nearest to the scene's
+/// middle on its way there; in front of it in any case.
+pub fn middle(scene: &Scene, camera: &Camera) -> Vec3 {
+    let seen = (scene.counts().triangles <= FEW).then(|| pick(scene, camera, 1.0, [0.5; 2])).flatten();
+    let (eye, bounds) = (camera.position(), scene.bounds());
+    let forward = camera.world_from_camera.transform_vector3(Vec3::NEG_Z).normalize();
+    let size = if bounds.is_empty() { 1.0 } else { bounds.diagonal().length() };
+    let along = if bounds.is_empty() { size } else { (bounds.centre() - eye).dot(forward) };
+    seen.unwrap_or(eye + forward * along.max(size * 1e-2).max(f32::MIN_POSITIVE))
+}
+
 /// Where a ray meets a triangle (Möller and Trumbore 1997).
 fn hit([a, b, c]: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<f32> {
     let (u_edge, v_edge) = (b - a, c - a);

@@ -390,21 +390,21 @@ pub fn figures(renderer: &Renderer, stats: &RenderStats, seconds: f64, rays: u64
 /// What browsers are told of a scene.
 pub fn scene_message(scene: &Scene, name: &str, camera: &Camera) -> Value {
     let (bounds, counts) = (scene.bounds(), scene.counts());
-    let cameras: Vec<Value> = scene.cameras.iter().map(view_of).collect();
+    let cameras: Vec<Value> = scene.cameras.iter().map(|camera| view_of(scene, camera)).collect();
     json!({
         "type": "scene", "name": name, "triangles": counts.triangles,
         "lights": counts.emissive_triangles + scene.lights.len(),
-        "cameras": cameras, "view": view_of(camera),
+        "cameras": cameras, "view": view_of(scene, camera),
         "bounds": [bounds.min.to_array(), bounds.max.to_array()],
         "environment": scene.environment.is_some(),
     })
 }
 
 /// A camera as browsers know it.
-fn view_of(camera: &Camera) -> Value {
+fn view_of(scene: &Scene, camera: &Camera) -> Value {
     let eye = camera.position();
     let direction = |axis: glam::Vec3| camera.world_from_camera.transform_vector3(axis).normalize();
-    let distance = if camera.focus_distance.is_finite() { camera.focus_distance } else { 1.0 };
+    let distance = eye.distance(pick::middle(scene, camera));
     json!({
         "name": camera.name, "eye": eye.to_array(), "up": direction(glam::Vec3::Y).to_array(),
         "target": (eye + direction(glam::Vec3::NEG_Z) * distance).to_array(),
