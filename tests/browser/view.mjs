@@ -134,6 +134,7 @@ try {
   });
 
   await step("integrator and K change", async () => {
+    await page.selectOption("#cameras", "0");
     await page.focus("#picture");
     await page.keyboard.press("4");
     await wait(() => document.getElementById("f-integrator").textContent.includes("join=full"));
@@ -145,6 +146,9 @@ try {
     await wait(() => document.getElementById("f-noise").textContent.includes("%"));
     await page.waitForTimeout(1500);
     await shot("bdpt");
+    await wait(() => document.getElementById("plot-note").textContent.includes("relMSE"));
+    await page.locator("#plot-note").scrollIntoViewIfNeeded();
+    await shot("plot");
   });
 
   await step("exposure, tone map and layer change", async () => {
@@ -164,7 +168,11 @@ try {
     await page.waitForTimeout(1000);
     await shot("normals");
     await page.selectOption("#layer", "beauty");
+    await page.focus("#picture");
     for (let i = 0; i < 4; i++) await page.keyboard.press("[");
+    await page.waitForTimeout(2000);
+    assert.equal(await page.inputValue("#layer"), "beauty");
+    assert.equal(Number(await page.inputValue("#exposure")), 0);
   });
 
   await step("two integrators stand side by side", async () => {

@@ -530,6 +530,12 @@ fn measure_light_vertices(
     let lane = Lane::new(device, pipelines, shared, size, true)?;
     let params = Params {
         seed: PILOT_SEED,
+        // Paths numbered from 0, whatever the film and its crop: L is then the same for all of them.
+        crop_x: 0,
+        crop_y: 0,
+        crop_width: PILOT_PATHS,
+        film_width: PILOT_PATHS,
+        n_pixels: PILOT_PATHS,
         n_paths: PILOT_PATHS,
         n_light_paths: PILOT_PATHS,
         join: k::JOIN_FULL,

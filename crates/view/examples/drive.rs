@@ -72,7 +72,7 @@ async fn measure(address: &str, time: Duration) -> Outcome<Value> {
     let (mut view, mut status) = (Value::Null, Value::Null);
     let mut sent: HashMap<u32, Instant> = HashMap::new();
     let (mut latencies, mut widths, mut intervals) = (Vec::new(), Vec::new(), Vec::new());
-    let (start, mut last) = (Instant::now(), None);
+    let (start, mut last) = (Instant::now(), None::<Instant>);
     let mut clock = tokio::time::interval(Duration::from_secs_f64(1.0 / INPUTS));
     let mut input = 0;
     while start.elapsed() < WARM_UP + time {

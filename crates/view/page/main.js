@@ -3,7 +3,7 @@
 import { Camera } from "./camera.js";
 import { watchDrops } from "./drop.js";
 import { Link } from "./link.js";
-import { element, fillMethods, indexOf, method, put, showFigures } from "./panel.js";
+import { element, fillMethods, indexOf, method, put, showFigures, touch } from "./panel.js";
 import { plot } from "./plot.js";
 import { Stage } from "./stage.js";
 
@@ -147,7 +147,7 @@ const sendEnvironment = () => link.send({
   type: "environment", strength: number("env-strength"), rotation: number("env-rotation"),
 });
 
-const on = (id, event, act) => element(id).addEventListener(event, () => { showOutputs(); act(); });
+const on = (id, event, act) => element(id).addEventListener(event, () => { touch(id); showOutputs(); act(); });
 on("method", "change", sendMethod);
 on("k", "input", () => { sendMethod(); if (element("compare").value !== "") sendSplit(); });
 on("length", "change", () => link.send({ type: "render", max_path_length: number("length") }));
@@ -256,6 +256,7 @@ addEventListener("keydown", (event) => {
     event.preventDefault();
   } else if (/^[1-9]$/.test(key) && document.activeElement?.tagName !== "SELECT") {
     element("method").value = Number(key) - 1;
+    touch("method");
     sendMethod();
   } else if (KEYS[event.key] ?? KEYS[key]) {
     if (elsewhere && document.activeElement.tagName === "SELECT") return;

@@ -65,7 +65,16 @@ export function showFigures(status) {
   element("pause").textContent = status.paused ? "Go on" : "Pause";
 }
 
-/** Sets a control, unless a hand is on it. */
+/** What the server says of a control counts again this long after a hand was on it. */
+const SETTLED_MS = 1200;
+
+/** Notes that a hand was on a control: figures under way to the page are older. */
+export function touch(id) {
+  element(id).touched = performance.now();
+}
+
+/** Sets a control to what the server says. */
 export function put(id, value) {
-  if (document.activeElement !== element(id)) element(id).value = value;
+  const recently = performance.now() - (element(id).touched ?? -Infinity) < SETTLED_MS;
+  if (!recently) element(id).value = value;
 }

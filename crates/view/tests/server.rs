@@ -64,8 +64,13 @@ impl Running {
         stream.write_all(request.as_bytes()).expect("sends");
         // The server may refuse before it has read all.
         let _ = stream.write_all(body);
-        let mut answer = Vec::new();
-        let _ = stream.read_to_end(&mut answer);
+        let mut answer = vec![0; 4096];
+        let n = stream.read(&mut answer).unwrap_or(0);
+        answer.truncate(n);
+        // What asks for an upgrade is not closed.
+        if !request.contains("Upgrade:") {
+            let _ = stream.read_to_end(&mut answer);
+        }
         let split = answer.windows(4).position(|w| w == b"\r\n\r\n").unwrap_or(answer.len());
         let head = String::from_utf8_lossy(&answer[..split]).into_owned();
         let status = head.split(' ').nth(1).and_then(|s| s.parse().ok()).unwrap_or(0);
