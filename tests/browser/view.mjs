@@ -104,10 +104,13 @@ try {
   });
 
   await step("it converges", async () => {
+    const more = (n) => Number(document.getElementById("f-samples").textContent.replace(/,/g, "")) > n;
+    await wait(more, 40);
+    const long = await samples();
     await page.click("#restart");
-    await wait(() => Number(document.getElementById("f-samples").textContent) < 12);
-    const before = await roughness();
-    await wait(() => Number(document.getElementById("f-samples").textContent.replace(/,/g, "")) > 60);
+    await wait((n) => Number(document.getElementById("f-samples").textContent.replace(/,/g, "")) < n, long);
+    const [early, before] = [await samples(), await roughness()];
+    await wait(more, 8 * Math.max(early, 4));
     const after = await roughness();
     assert.ok(after < 0.8 * before, `${before} to ${after}`);
     await shot("converged");

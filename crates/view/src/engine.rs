@@ -366,6 +366,7 @@ impl Engine {
         }
         let samples = if moving { u64::from(load.samples) } else { u64::MAX >> 1 };
         let time = if moving { self.hold_time } else { REFINE };
+        let before = self.left.renderer.samples();
         self.haste.begin(!moving);
         let rendered = self.render(samples.min(MAX_SAMPLES), time);
         self.haste.begin(false);
@@ -376,7 +377,9 @@ impl Engine {
         let pixels = self.pixels(moving)?;
         self.frame_time = start.elapsed();
         if moving {
-            self.hold.observe(load, self.frame_time);
+            // Fewer than asked for where the time was over.
+            let samples = (self.left.renderer.samples() - before).clamp(1, u64::from(load.samples)) as u32;
+            self.hold.observe(Load { samples, ..load }, self.frame_time);
         }
         Ok(Some(pixels))
     }
