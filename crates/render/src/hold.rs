@@ -112,7 +112,7 @@ impl Hold {
             self.seen = true;
         }
         let off = seconds / self.predict(load);
-        if off > SURPRISE || off < 1.0 / SURPRISE {
+        if !(1.0 / SURPRISE..=SURPRISE).contains(&off) {
             self.cost = self.cost.map(|cost| cost * off);
             self.squares = [0.0; 3];
             self.products = [0.0; 2];
@@ -158,12 +158,12 @@ impl Hold {
         self.load = self.ideal(most.max(f64::MIN_POSITIVE), most_k);
     }
 
-    /// Whether a load within the kept range is left alone: unless the other has the K that is wanted
-    /// or the full resolution, and this one has not.
+    /// Whether a load within the kept range is left alone: it is, unless the other has the K that is
+    /// wanted or the full resolution, and this one has not.
     fn no_better(&self, ideal: Load) -> bool {
-        let whole = |load: Load| load.scale >= 1.0;
-        let wanted = |load: Load| load.k >= self.limits.most_k;
-        !(whole(ideal) && !whole(self.load) || wanted(ideal) && !wanted(self.load))
+        let is_whole = self.load.scale >= 1.0 || ideal.scale < 1.0;
+        let has_k = self.load.k >= self.limits.most_k || ideal.k < self.limits.most_k;
+        is_whole && has_k
     }
 
     /// The best load predicted within `budget` seconds, or the smallest: first full resolution, then
