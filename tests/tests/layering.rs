@@ -16,6 +16,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "midway-kernels",
             "midway-render",
             "midway-scene",
+            "midway-view",
         ],
     ),
     ("device", &["wgsl-cpu"]),
@@ -24,7 +25,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("kernels", &["wgsl-cpu"]),
     ("render", &["midway-accel", "midway-device", "midway-film", "midway-kernels", "midway-scene"]),
     ("scene", &[]),
-    ("view", &["midway-film", "midway-import", "midway-render"]),
+    ("view", &["midway-device", "midway-film", "midway-import", "midway-render", "midway-scene"]),
     ("wgsl-cpu", &[]),
 ];
 
@@ -40,7 +41,9 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("basisu", &["import"]),
     ("draco-core", &["import"]),
     ("clap", &["cli"]),
-    ("anyhow", &["cli", "view"]),
+    ("anyhow", &["cli"]),
+    ("axum", &["view"]),
+    ("tokio", &["view"]),
 ];
 
 /// What one manifest names: what it is built of, and what its tests add.

@@ -1,6 +1,6 @@
 //! The program `midway`.
 //!
-//! What was typed is parsed in [`args`]; [`render`], [`compare`], [`info`] and [`devices`] do the
+//! What was typed is parsed in [`args`]; [`render`], [`view`], [`compare`], [`info`] and [`devices`] do the
 //! work; [`status`] lists every exit code. Results for other programs go to standard output,
 //! everything for people to standard error.
 
@@ -10,10 +10,12 @@ mod console;
 mod devices;
 mod guard;
 mod info;
+mod interrupt;
 mod light_info;
 mod render;
 mod scene_file;
 mod status;
+mod view;
 
 use std::process::ExitCode;
 
@@ -55,6 +57,7 @@ fn report_usage(error: &clap::Error) -> Status {
 fn dispatch(command: Command) -> Outcome<Status> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::View(args) => view::run(&args),
         Command::Compare(args) => compare::run(&args).map(|()| Status::Success),
         Command::Info(args) => info::run(&args).map(|()| Status::Success),
         Command::Devices(args) => devices::run(&args).map(|()| Status::Success),

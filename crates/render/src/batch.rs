@@ -66,6 +66,7 @@ impl LaneSize {
 /// The working buffers of a lane and the kernels bound to them.
 pub struct Lane {
     size: LaneSize,
+    uses: LaneUses,
     params: Buffer,
     counters: Buffer,
     args: Buffer,
@@ -168,6 +169,7 @@ impl Lane {
         };
         Ok(Self {
             size,
+            uses,
             params,
             counters,
             args,
@@ -186,6 +188,26 @@ impl Lane {
     /// Its size.
     pub fn size(&self) -> LaneSize {
         self.size
+    }
+
+    /// What it is for.
+    pub fn uses(&self) -> LaneUses {
+        self.uses
+    }
+
+    /// Takes on another size, where its buffers have room for it. Only own light vertices may move.
+    pub fn resize(&mut self, size: LaneSize) -> bool {
+        let slots = |size: LaneSize| u64::from(size.append_at) + u64::from(size.append_capacity);
+        let fits = size.n_paths == self.size.n_paths
+            && size.n_places <= self.size.n_places
+            && size.n_shadow_rays <= self.size.n_shadow_rays
+            && slots(size) <= slots(self.size);
+        if fits {
+            self.size.n_places = size.n_places;
+            self.size.append_capacity = self.size.append_at + self.size.append_capacity - size.append_at;
+            self.size.append_at = size.append_at;
+        }
+        fits
     }
 
     /// The longest list of commands since this was last asked: no dispatch lasted longer.
@@ -329,4 +351,16 @@ pub struct LaneTotals {
     pub rejected: u64,
     /// Film sums that overflowed.
     pub overflowed: u64,
+}
+
+impl std::ops::Add for LaneTotals {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            rejected: self.rejected + other.rejected,
+            overflowed: self.overflowed + other.overflowed,
+        }
+    }
 }

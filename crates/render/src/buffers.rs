@@ -8,6 +8,7 @@ use midway_kernels::kernel;
 use crate::RenderError;
 
 /// Kernels as a scene needs them (`FEATURE_*`); a device compiles each of them once.
+#[derive(Clone)]
 pub struct Pipelines {
     features: u32,
 }

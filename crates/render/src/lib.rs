@@ -18,6 +18,7 @@ mod buffers;
 mod environment;
 mod error;
 mod features;
+mod hold;
 mod lights;
 mod medium;
 mod pack;
@@ -30,6 +31,7 @@ mod world;
 
 pub use aov::Aov;
 pub use error::RenderError;
+pub use hold::{Hold, HoldLimits, Load};
 pub use pack::PackedScene;
 pub use renderer::{RenderStats, Renderer};
 pub use settings::{

@@ -2,6 +2,7 @@
 
 mod render;
 mod values;
+mod view;
 
 use std::path::PathBuf;
 
@@ -14,6 +15,7 @@ pub use values::{
     CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
     ToneMapArg, Vec3Arg,
 };
+pub use view::ViewArgs;
 
 /// A bidirectional path tracer for the GPU, and for the bare CPU.
 #[derive(Debug, Parser)]
@@ -29,6 +31,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to EXR and PNG.
     Render(Box<RenderArgs>),
+    /// Look at a scene in a browser while it converges.
+    View(ViewArgs),
     /// Measure how far an image is from a reference.
     Compare(CompareArgs),
     /// Say what a scene file holds.

@@ -22,6 +22,13 @@ pub struct RenderArgs {
     /// Write the image so far every so often (`5s`, `2m`).
     #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Output")]
     pub snapshot_every: Option<Duration>,
+    /// Show the image while it renders in tev, which listens at this address (its own is
+    /// 127.0.0.1:14158).
+    #[arg(long, value_name = "HOST:PORT", help_heading = "Output")]
+    pub display: Option<String>,
+    /// Show it on the viewer's page at this port of this machine, read only [default port: 7410]
+    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "7410", help_heading = "Output")]
+    pub serve: Option<u16>,
     /// Brighten the PNG by this many stops.
     #[arg(
         long, value_name = "STOPS", default_value_t = 0.0, value_parser = stops,

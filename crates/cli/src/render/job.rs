@@ -53,6 +53,11 @@ impl RenderJob {
         self.renderer.settings().filter.describe()
     }
 
+    /// The renderer itself.
+    pub fn renderer(&mut self) -> &mut Renderer {
+        &mut self.renderer
+    }
+
     /// The channels of the layers that were asked for.
     ///
     /// # Errors

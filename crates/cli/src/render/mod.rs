@@ -4,8 +4,8 @@ mod environment;
 mod flags;
 mod frame;
 mod header;
-mod interrupt;
 mod job;
+mod live;
 mod outputs;
 mod progress;
 mod schedule;
@@ -20,13 +20,14 @@ use midway_film::{Display, ToneMap, check_writable};
 use crate::{
     args::{RenderArgs, ToneMapArg},
     info,
+    interrupt::Interrupt,
     scene_file::{self, LoadedScene},
     status::{Failure, OrStatus, Outcome, Status},
 };
 
 use self::{
-    frame::Frame, interrupt::Interrupt, job::RenderJob, outputs::Outputs, progress::Reporter,
-    schedule::Limits, session::Session, watch::ErrorMeter,
+    frame::Frame, job::RenderJob, live::Live, outputs::Outputs, progress::Reporter, schedule::Limits,
+    session::Session, watch::ErrorMeter,
 };
 
 /// Samples per pixel where nothing else says when to stop.
@@ -67,7 +68,13 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     };
     let job = RenderJob::start(device.clone(), &scene, &frame, settings, tell)?;
 
+    let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
+    let tev = args.display.as_ref().map(|address| live::Tev::connect(address, &name, &frame)).transpose()?;
+    let serve = |port| live::Served::start(port, &scene, &name, &frame, display(args));
+    let live = Live { tev, served: args.serve.map(serve).transpose()? };
     let session = Session {
+        live,
+        device: device.info().clone(),
         limits: limits(args.spp, args.time),
         snapshots: watch::SnapshotClock::new(args.snapshot_every),
         framing: frame.framing(),

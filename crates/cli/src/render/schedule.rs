@@ -4,8 +4,7 @@ use std::time::{Duration, Instant};
 
 use midway_film::Image;
 
-use super::interrupt::Interrupt;
-use crate::status::Outcome;
+use crate::{interrupt::Interrupt, status::Outcome};
 
 /// What is rendered, one pass at a time.
 pub trait Job {

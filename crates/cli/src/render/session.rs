@@ -8,14 +8,17 @@ use serde_json::json;
 use super::{
     frame::Frame,
     header,
-    interrupt::Interrupt,
     job::RenderJob,
+    live::Live,
     outputs::Outputs,
     progress::{self, Reporter},
     schedule::{self, Job, Limits, State, StoppedBy},
     watch::{ErrorMeter, SnapshotClock},
 };
-use crate::status::{Outcome, Status};
+use crate::{
+    interrupt::Interrupt,
+    status::{Outcome, Status},
+};
 
 /// Everything a running render needs.
 pub struct Session {
@@ -31,6 +34,10 @@ pub struct Session {
     pub reporter: Reporter,
     /// When it is written before its end.
     pub snapshots: SnapshotClock,
+    /// Where it is shown while it runs.
+    pub live: Live,
+    /// Where it renders.
+    pub device: DeviceInfo,
     /// What it is measured against.
     pub meter: Option<ErrorMeter>,
 }
@@ -82,6 +89,7 @@ impl Session {
             let row = json!({ "seconds": seconds, "samples": samples, "rmse": rmse, "relmse": relmse });
             self.reporter.event("error", &row)?;
         }
+        self.live.after_pass(job, state, &self.device, state.fraction() >= 1.0)?;
         // After the last pass the image is written anyway.
         if self.snapshots.is_due() && state.fraction() < 1.0 {
             let header = header::of_state(&self.header, job, state);

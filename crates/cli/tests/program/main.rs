@@ -3,4 +3,5 @@
 mod bad_input;
 mod comparing;
 mod rendering;
+mod showing;
 mod support;

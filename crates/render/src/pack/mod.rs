@@ -8,6 +8,8 @@ mod normals;
 mod slots;
 mod textures;
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use midway_kernels::constants as k;
 use midway_scene::{Camera, Scene, Sphere};
@@ -21,7 +23,11 @@ use self::{
     textures::{PackedImages, TextureTable, mean_color, srgb_table},
 };
 use crate::{
-    RenderError, environment::EnvironmentMap, features::scene_features, lights::Lights, medium::MediumFinder,
+    RenderError,
+    environment::EnvironmentMap,
+    features::scene_features,
+    lights::Lights,
+    medium::{CameraMedia, MediumFinder},
     world::World,
 };
 
@@ -70,6 +76,8 @@ pub struct PackedScene {
     pub camera_medium: u32,
     /// What kernels need for all this: `FEATURE_*` in WGSL.
     pub features: u32,
+    /// By which the medium of another camera is found, where there is any.
+    pub media: Option<Arc<CameraMedia>>,
 }
 
 impl PackedScene {
@@ -131,6 +139,7 @@ impl PackedScene {
         Ok(Self {
             triangles: pack_triangles(&two_level, &world, &positions),
             nodes: two_level.nodes(&first_ids),
+            media: CameraMedia::keep(&world, two_level, positions).map(Arc::new),
             scene: words,
             lights_at,
             environment_at,
@@ -149,6 +158,12 @@ impl PackedScene {
             camera_medium,
             features,
         })
+    }
+
+    /// The same without what was copied to the device.
+    pub fn without_copied(self) -> Self {
+        let empty = Vec::new;
+        Self { nodes: empty(), triangles: empty(), scene: empty(), images: PackedImages::default(), ..self }
     }
 }
 

@@ -1,0 +1,82 @@
+//! `midway view`: the scene in a browser, converging under the hand.
+
+use std::{path::Path, time::Duration};
+
+use midway_device::{OpenOptions, open_device};
+use midway_film::ExrFile;
+use midway_render::RenderSettings;
+use midway_scene::{Camera, Scene};
+use midway_view::{Address, Server, Session, Start, ViewError};
+
+use crate::{
+    args::ViewArgs,
+    console,
+    interrupt::Interrupt,
+    scene_file,
+    status::{Failure, OrStatus, Outcome, Status},
+};
+
+/// Height where neither flag nor camera says.
+const DEFAULT_HEIGHT: f32 = 512.0;
+
+/// Serves until Ctrl-C.
+///
+/// # Errors
+/// With the [`Status`] of what went wrong.
+pub fn run(args: &ViewArgs) -> Outcome<Status> {
+    let interrupt = Interrupt::install()?;
+    let (scene, name) = match &args.scene {
+        Some(path) => (load(path)?, path.file_name().unwrap_or_default().to_string_lossy().into_owned()),
+        None => (Scene::default(), "no scene".to_owned()),
+    };
+    let reference = match &args.reference {
+        Some(path) => Some(ExrFile::read(path)?.image()?),
+        None => None,
+    };
+    let options = OpenOptions { threads: args.threads.map(|n| n as usize), ..OpenOptions::default() };
+    let device = open_device(&args.device, &options).or_status(Status::Device)?;
+    console::note(&format!("device: {} ({})", device.info().name, device.info().backend));
+    let [width, height] = size(args, scene.cameras.first());
+    let settings = RenderSettings { width, height, ..RenderSettings::default() };
+    let hold = Duration::from_millis(args.hold.into());
+    let session =
+        Session::start(Start { device, scene, name, settings, hold, reference }).map_err(failure)?;
+    let address = Address { ip: args.bind, port: args.port };
+    let server = Server::listen(address, session, false, console::note).map_err(failure)?;
+    console::output(&format!("view: {}", server.url()))?;
+    if !args.no_open {
+        server.open_browser();
+    }
+    server.serve(move || interrupt.is_pressed()).map_err(failure)?;
+    Ok(Status::Success)
+}
+
+fn load(path: &Path) -> Outcome<Scene> {
+    let loaded = scene_file::load(path)?;
+    scene_file::print_warnings(&loaded.warnings());
+    Ok(loaded.scene)
+}
+
+/// As `midway render` has it.
+fn size(args: &ViewArgs, camera: Option<&Camera>) -> [u32; 2] {
+    let resolution = camera.and_then(|camera| camera.resolution);
+    let aspect = resolution.map(|[width, height]| width as f32 / height as f32);
+    let aspect = aspect.or(camera.and_then(|camera| camera.aspect)).unwrap_or(1.0);
+    let side = |pixels: f32| pixels.round().clamp(1.0, 8192.0) as u32;
+    match (args.width, args.height) {
+        (Some(width), Some(height)) => [width, height],
+        (Some(width), None) => [width, side(width as f32 / aspect)],
+        (None, Some(height)) => [side(height as f32 * aspect), height],
+        (None, None) => resolution.unwrap_or([side(DEFAULT_HEIGHT * aspect), DEFAULT_HEIGHT as u32]),
+    }
+}
+
+fn failure(error: ViewError) -> Failure {
+    let status = match error {
+        ViewError::Render(_) => Status::Device,
+        ViewError::Listen { .. } | ViewError::Refused(_) => Status::Usage,
+        ViewError::Film(_) => Status::Input,
+        ViewError::Io(_) => Status::Internal,
+    };
+    Failure::new(status, error)
+}

@@ -1,0 +1,266 @@
+// Puts the page together: what hands do becomes requests, what the server says becomes the page.
+
+import { Camera } from "./camera.js";
+import { watchDrops } from "./drop.js";
+import { Link } from "./link.js";
+import { element, fillMethods, indexOf, method, put, showFigures, touch } from "./panel.js";
+import { plot } from "./plot.js";
+import { Stage } from "./stage.js";
+
+const NOTICE_MS = 5000;
+const state = { scene: null, status: null, input: 0, look: null, sawScene: false };
+const camera = new Camera();
+
+fillMethods();
+
+function notice(text) {
+  element("notice").textContent = text;
+  element("notice").hidden = false;
+  clearTimeout(notice.timer);
+  notice.timer = setTimeout(() => { element("notice").hidden = true; }, NOTICE_MS);
+}
+
+const link = new Link({
+  open() { document.body.classList.remove("offline"); state.sawScene = false; },
+  closed() {
+    document.body.classList.add("offline");
+    element("scene-name").textContent = "no connection, trying again …";
+  },
+  role({ steers, clients, read_only }) {
+    element("take").hidden = steers || read_only;
+    document.querySelectorAll("#panel fieldset, #panel .buttons button, #file").forEach((one) => { one.disabled = read_only; });
+    const others = clients > 1 ? `${clients} browsers` : "";
+    element("role").textContent = read_only ? "read only" : steers ? others : `${others}, another steers`;
+  },
+  refused({ reason }) { notice(reason); },
+  notice({ text }) { notice(text); },
+  warnings({ lines }) { notice(lines.join(" · ")); },
+  scene(scene) {
+    if (!scene.view) return;
+    state.scene = scene;
+    camera.set(scene.view);
+    element("scene-name").textContent = `${scene.name} · ${scene.triangles.toLocaleString("en")} triangles`;
+    element("cameras").replaceChildren(...scene.cameras.map((one, i) => new Option(one.name || `camera ${i}`, i)));
+    put("fov", Math.round(camera.fov ?? 40));
+    element("fov").disabled = camera.fov == null;
+    put("env-strength", scene.environment ? 1 : 0);
+    put("env-rotation", 0);
+    listSaved();
+    showOutputs();
+  },
+  picked({ point }) {
+    if (!point) return notice("nothing is there");
+    camera.focusOn(point);
+    look();
+  },
+  status(status) {
+    if (!status.left) return;
+    state.status = status;
+    showFigures(status);
+    put("method", indexOf(status.method));
+    put("k", status.method.k);
+    put("length", status.max_path_length ?? 0);
+    put("compare", status.right ? indexOf(status.right.method) : "");
+    put("exposure", status.shown.exposure);
+    put("tone", status.shown.tone_map);
+    put("layer", status.shown.layer);
+    put("hold", Math.round(status.hold_ms));
+    element("k").disabled = !status.left.integrator.includes("k-step") && !status.right?.integrator.includes("k-step");
+    element("region").setAttribute("aria-pressed", !!status.region);
+    plot(element("plot"), status.plot);
+    element("plot-note").textContent = status.relmse == null ? "no measurement yet"
+      : `relMSE ${status.relmse.toExponential(2)}, ` +
+        (status.measured_by === "reference" ? "against the reference" : "expected, by the spread between passes");
+    showOutputs();
+  },
+  frame(frame) {
+    const shape = state.status && { film: state.status.film, region: state.status.region };
+    stage.show(frame, shape);
+    document.body.dataset.frame = frame.sequence;
+    document.body.dataset.input = frame.input;
+  },
+});
+
+// Views are sent as they come, at most one a frame of the screen.
+function look() {
+  if (state.look) return;
+  state.look = requestAnimationFrame(() => {
+    state.look = null;
+    state.input = (state.input + 1) % 2 ** 31;
+    link.send({ type: "look", ...camera.view(), input: state.input });
+  });
+}
+
+const stage = new Stage(element("picture"), element("divider"), element("region-box"), camera, {
+  moved: look,
+  picked: (x, y) => link.send({ type: "pick", x, y }),
+  marked: (part) => {
+    const [width, height] = state.status.film;
+    const [x, y] = [Math.floor(part[0] * width), Math.floor(part[1] * height)];
+    const size = [Math.ceil(part[2] * width), Math.ceil(part[3] * height)];
+    if (size[0] < 4 || size[1] < 4) return;
+    link.send({ type: "region", window: [x, y, Math.min(size[0], width - x), Math.min(size[1], height - y)] });
+  },
+});
+
+watchDrops(link, notice);
+
+function showOutputs() {
+  const value = (id) => element(id).value;
+  element("k-out").textContent = value("k");
+  element("exposure-out").textContent = Number(value("exposure")).toFixed(2);
+  element("hold-out").textContent = `${value("hold")} ms`;
+  element("env-strength-out").textContent = value("env-strength");
+  element("env-rotation-out").textContent = `${value("env-rotation")}°`;
+  element("fov-out").textContent = `${value("fov")}°`;
+}
+
+// Requests by the controls.
+
+const number = (id) => Number(element(id).value);
+
+function sendMethod() {
+  link.send({ type: "render", method: method(number("method"), number("k")) });
+}
+
+function sendShown() {
+  const [exposure, tone_map, layer] = [number("exposure"), element("tone").value, element("layer").value];
+  link.send({ type: "show", exposure, tone_map, layer });
+}
+
+function sendSplit() {
+  const index = element("compare").value;
+  link.send({ type: "split", right: index === "" ? null : method(Number(index), number("k")) });
+}
+
+function sendSize() {
+  const wanted = element("size").value;
+  if (!wanted || !state.status) return;
+  const picture = element("picture");
+  const shape = state.status.film[0] / state.status.film[1];
+  const height = Number(wanted);
+  const size = wanted === "window" ? [picture.clientWidth, picture.clientHeight] : [Math.round(height * shape), height];
+  link.send({ type: "render", size });
+}
+
+const sendEnvironment = () => link.send({
+  type: "environment", strength: number("env-strength"), rotation: number("env-rotation"),
+});
+
+const on = (id, event, act) => element(id).addEventListener(event, () => { touch(id); showOutputs(); act(); });
+on("method", "change", sendMethod);
+on("k", "input", () => { sendMethod(); if (element("compare").value !== "") sendSplit(); });
+on("length", "change", () => link.send({ type: "render", max_path_length: number("length") }));
+on("compare", "change", sendSplit);
+on("size", "change", sendSize);
+on("hold", "input", () => link.send({ type: "render", hold_ms: number("hold") }));
+on("exposure", "input", sendShown);
+on("tone", "change", sendShown);
+on("layer", "change", sendShown);
+on("env-strength", "change", sendEnvironment);
+on("env-rotation", "change", sendEnvironment);
+on("fov", "input", () => { camera.fov = number("fov"); look(); });
+on("take", "click", () => link.send({ type: "take" }));
+on("restart", "click", () => link.send({ type: "restart" }));
+on("frame-all", "click", frameAll);
+on("save-exr", "click", () => save("exr"));
+on("save-png", "click", () => save("png"));
+on("pause", "click", togglePause);
+on("help-open", "click", () => element("help").showModal());
+on("region", "click", () => {
+  if (state.status?.region) link.send({ type: "region", window: null });
+  else { stage.mark(true); notice("drag across the part to render"); }
+});
+on("cameras", "change", () => { camera.set(state.scene.cameras[number("cameras")]); look(); });
+
+function togglePause() {
+  link.send({ type: "pause", paused: !state.status?.paused });
+}
+
+function frameAll() {
+  if (!state.scene) return;
+  camera.frame(state.scene.bounds);
+  look();
+}
+
+async function save(format) {
+  try {
+    await link.save(format, (state.scene?.name ?? "midway").replace(/\.[^.]*$/, ""));
+  } catch (error) {
+    notice(String(error.message ?? error));
+  }
+}
+
+// Saved cameras stay in this browser, by the scene's name.
+
+const storeName = () => `midway cameras ${state.scene?.name}`;
+const stored = () => { try { return JSON.parse(localStorage.getItem(storeName())) ?? []; } catch { return []; } };
+
+function listSaved() {
+  const views = stored();
+  const options = views.map((_, i) => new Option(`view ${i + 1}`, i));
+  element("saved").replaceChildren(new Option(views.length ? "choose" : "none", ""), ...options);
+}
+
+on("save-camera", "click", () => {
+  localStorage.setItem(storeName(), JSON.stringify([...stored(), camera.view()]));
+  listSaved();
+  notice(`saved as view ${stored().length}`);
+});
+on("saved", "change", () => {
+  const view = stored()[element("saved").value];
+  if (view) { camera.set(view); look(); }
+});
+
+// Keys.
+
+function cycle(id, step) {
+  const select = element(id);
+  select.selectedIndex = (select.selectedIndex + step + select.options.length) % select.options.length;
+  select.dispatchEvent(new Event("change"));
+}
+
+function nudge(id, step) {
+  element(id).value = number(id) + step;
+  element(id).dispatchEvent(new Event("input"));
+}
+
+const KEYS = {
+  f: frameAll,
+  t: () => cycle("tone", 1),
+  p: togglePause,
+  "[": () => nudge("exposure", -0.5),
+  "]": () => nudge("exposure", 0.5),
+  "?": () => element("help").showModal(),
+};
+
+addEventListener("keydown", (event) => {
+  const inPicture = document.activeElement === element("picture");
+  const elsewhere = ["SELECT", "INPUT", "BUTTON"].includes(document.activeElement?.tagName);
+  const key = event.key.toLowerCase();
+  if ((event.ctrlKey || event.metaKey) && key === "s") {
+    event.preventDefault();
+    save("exr");
+  } else if (event.ctrlKey || event.metaKey || event.altKey || element("help").open) {
+    return;
+  } else if (inPicture && event.key === "Tab" && !event.shiftKey) {
+    event.preventDefault();
+    cycle("layer", 1);
+  } else if (inPicture && event.key === "Escape") {
+    stage.mark(false);
+    element("pause").focus();
+  } else if (inPicture && event.key === " ") {
+    event.preventDefault();
+    link.send({ type: "restart" });
+  } else if (inPicture && stage.press(event)) {
+    event.preventDefault();
+  } else if (/^[1-9]$/.test(key) && document.activeElement?.tagName !== "SELECT") {
+    element("method").value = Number(key) - 1;
+    touch("method");
+    sendMethod();
+  } else if (KEYS[event.key] ?? KEYS[key]) {
+    if (elsewhere && document.activeElement.tagName === "SELECT") return;
+    (KEYS[event.key] ?? KEYS[key])();
+  }
+});
+addEventListener("keyup", (event) => stage.lift(event));

@@ -1,0 +1,58 @@
+//! Why a picture is black, where it is.
+
+use midway_film::{Display, Image};
+use midway_render::{Integrator, Join};
+
+use crate::{engine::Engine, pick};
+
+/// A pixel this dark in 8 bits is black to the eye.
+const BLACK: u8 = 2;
+/// Places of the film, along each side, that are asked whether anything is there.
+const PLACES: u32 = 7;
+
+/// The reason, if all of the picture is black as it is shown.
+pub fn reason(engine: &Engine, image: &Image) -> Option<String> {
+    let display = Display { exposure: engine.shown.exposure, tone_map: engine.shown.tone_map.into() };
+    if image.pixels.iter().any(|pixel| display.encode_u8(*pixel).iter().any(|byte| *byte > BLACK)) {
+        return None;
+    }
+    let scene = &engine.scene;
+    let integrator = engine.left.renderer.settings().integrator;
+    let surfaces_emit = scene.counts().emissive_triangles > 0 || scene.environment.is_some();
+    let hits_alone = integrator.integrator == Integrator::PathNaive
+        || integrator.joins() == Some(Join::SingleStep) && !integrator.uses_nee();
+    let text = if !image.is_black() {
+        let brightest = image.pixels.iter().flatten().copied().fold(0.0, f32::max);
+        return Some(format!(
+            "The exposure is too low: the brightest pixel is {brightest:.2e} W/(m² sr). Press ] to raise it."
+        ));
+    } else if scene.counts().triangles == 0 {
+        "There is no scene. Drop a .glb, or a folder with a .gltf, on the page."
+    } else if !scene.has_light() {
+        "Nothing emits light. Raise the environment's strength, or drop an .hdr on the page."
+    } else if engine.left.stats.rejected > 0 {
+        "Every contribution was NaN or infinite and is left out: the scene's numbers are at fault."
+    } else if sees_nothing(engine) {
+        "The camera sees nothing. Press F to bring the whole scene into view."
+    } else if hits_alone && !surfaces_emit {
+        "All lights are points or directions, which this integrator's paths cannot hit. Try path or bdpt (2, 4)."
+    } else if integrator.integrator == Integrator::Light {
+        "Light paths see no mirror and no glass, and little reaches the film. Try path or bdpt (2, 4)."
+    } else if engine.settings.max_path_length.is_some_and(|n| n < 2) {
+        "Paths of length 1 show lights alone. Raise the path length."
+    } else {
+        "No light reaches what is seen yet: is the camera inside an object, or the light behind a wall? bdpt (4) finds more."
+    };
+    Some(text.to_owned())
+}
+
+fn sees_nothing(engine: &Engine) -> bool {
+    if engine.scene.counts().triangles > 2_000_000 {
+        return false; // too many to ask each
+    }
+    let aspect = engine.settings.width as f32 / engine.settings.height as f32;
+    let place = |i: u32| (i as f32 + 0.5) / PLACES as f32;
+    let seen =
+        |i: u32| pick::pick(&engine.scene, &engine.camera, aspect, [place(i % PLACES), place(i / PLACES)]);
+    (0..PLACES * PLACES).all(|i| seen(i).is_none())
+}

@@ -1,0 +1,97 @@
+//! Layers beside the picture as pictures.
+
+use midway_film::{Image, magma};
+use midway_render::Renderer;
+
+use crate::{ViewError, protocol::Layer};
+
+/// Nothing is farther than this in a picture of depths.
+const NOTHING: f32 = 1e9;
+/// A relative standard error that is shown as white.
+const WHITE_NOISE: f32 = 0.5;
+/// Added to a pixel's square where errors are divided by it, as relMSE has it.
+const EPSILON: f32 = 0.01;
+
+/// A layer's picture in RGBA.
+///
+/// # Errors
+/// If the device fails.
+pub fn picture(renderer: &Renderer, layer: Layer) -> Result<Vec<u8>, ViewError> {
+    let channels = renderer.channels()?;
+    let plane = |name: &str| channels.iter().find(|c| c.name == name).map(|c| c.samples.as_slice());
+    let window = renderer.settings().window();
+    let n = window.width as usize * window.height as usize;
+    let three = |names: [&str; 3]| names.map(|name| plane(name).unwrap_or(&[]));
+    let colour: Box<dyn Fn(usize) -> [f32; 3]> = match layer {
+        Layer::Normal => {
+            let xyz = three(["normal.X", "normal.Y", "normal.Z"]);
+            Box::new(move |i| xyz.map(|p| p.get(i).map_or(0.0, |v| v * 0.5 + 0.5)))
+        }
+        Layer::Depth => {
+            let depth = plane("depth.Z").unwrap_or(&[]);
+            let (near, far) = range(depth);
+            Box::new(move |i| {
+                let seen = depth.get(i).copied().filter(|d| *d < NOTHING);
+                [seen.map_or(0.0, |d| 1.0 - 0.9 * (d - near) / (far - near).max(f32::MIN_POSITIVE)); 3]
+            })
+        }
+        Layer::Noise => {
+            let errors =
+                relative_errors(&renderer.image()?, three(["variance.R", "variance.G", "variance.B"]));
+            Box::new(move |i| magma(errors.get(i).map_or(0.0, |e| e.sqrt() / WHITE_NOISE).min(1.0)))
+        }
+        Layer::Albedo | Layer::Beauty => {
+            let rgb = three(["albedo.R", "albedo.G", "albedo.B"]);
+            Box::new(move |i| rgb.map(|p| p.get(i).map_or(0.0, |v| v.max(0.0).powf(1.0 / 2.2))))
+        }
+    };
+    let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    Ok((0..n)
+        .flat_map(|i| {
+            let [r, g, b] = colour(i).map(byte);
+            [r, g, b, 255]
+        })
+        .collect())
+}
+
+/// Nearest and farthest of what is there.
+fn range(depth: &[f32]) -> (f32, f32) {
+    let there = depth.iter().copied().filter(|d| *d < NOTHING);
+    there.fold((f32::MAX, 0.0), |(near, far), d| (near.min(d), far.max(d)))
+}
+
+/// Of each pixel the mean over channels of variance / (value² + 0.01): the error that relMSE expects of
+/// it. Infinite after one pass.
+pub fn relative_errors(image: &Image, variance: [&[f32]; 3]) -> Vec<f32> {
+    let error = |(i, pixel): (usize, &[f32; 3])| {
+        let of = |c: usize| variance[c].get(i).map_or(f32::INFINITY, |v| v / (pixel[c] * pixel[c] + EPSILON));
+        (of(0) + of(1) + of(2)) / 3.0
+    };
+    image.pixels.iter().enumerate().map(error).collect()
+}
+
+/// The relMSE that is expected of the image so far, by the spread between passes.
+///
+/// # Errors
+/// If the device fails.
+pub fn expected_relmse(renderer: &Renderer, image: &Image) -> Result<f64, ViewError> {
+    let channels = renderer.channels()?;
+    let plane = |name: &str| channels.iter().find(|c| c.name == name).map_or(&[][..], |c| &c.samples);
+    let errors = relative_errors(image, ["variance.R", "variance.G", "variance.B"].map(plane));
+    Ok(errors.iter().map(|e| f64::from(*e)).sum::<f64>() / errors.len().max(1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_relative_to_the_pixel() {
+        let image = Image::filled(2, 1, [3.0, 0.0, 1.0]);
+        let variance = [0.901, 0.01, 0.0];
+        let planes = variance.map(|v| [v, v]);
+        let errors = relative_errors(&image, [&planes[0], &planes[1], &planes[2]]);
+        assert!((errors[0] - (0.1 + 1.0) / 3.0).abs() <= 1e-5, "{errors:?}");
+        assert!(relative_errors(&image, [&[], &[], &[]])[0].is_infinite());
+    }
+}

@@ -1,0 +1,413 @@
+//! The thread that renders: requests in, frames and figures out. It never waits for a browser.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+        mpsc::{self, RecvTimeoutError},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use midway_device::Device;
+use midway_film::Image;
+use midway_render::{RenderSettings, RenderStats, Renderer};
+use midway_scene::{Camera, Scene};
+use serde_json::{Value, json};
+use tokio::sync::{broadcast, oneshot, watch};
+
+use crate::{
+    ViewError, black,
+    engine::{Engine, Half, Haste},
+    frame::{Encoding, Frame},
+    layers, pick,
+    protocol::{Method, Request, Shown, Surroundings},
+    save::{self, Format},
+};
+
+/// Requests that may wait for the render thread.
+const QUEUE: usize = 256;
+/// Events that a browser may lag behind.
+const EVENTS: usize = 64;
+/// How often figures are told.
+const STATUS_EVERY: Duration = Duration::from_millis(200);
+/// How often a resting picture is sent, at the start and later.
+const SHOW_EVERY: Duration = Duration::from_millis(150);
+const SHOW_LATE: Duration = Duration::from_millis(500);
+/// After this much rendering pictures change slowly.
+const LATE: f64 = 5.0;
+/// The first measurement of noise, in samples; the next ones have this many times as many.
+const MEASURE_FIRST: u64 = 4;
+const MEASURE_GROWTH: f64 = 1.2;
+/// Points of the plot at most; then every other one is dropped.
+const MAX_POINTS: usize = 160;
+
+/// What the render thread is told.
+pub enum Command {
+    /// By the browser that steers.
+    Request(Request),
+    /// To open a file on this machine, already confined.
+    Open(PathBuf),
+    /// To give the picture as a file.
+    Save(Format, oneshot::Sender<Result<Vec<u8>, String>>),
+}
+
+/// The other side of the render thread.
+#[derive(Clone)]
+pub struct Session {
+    commands: mpsc::SyncSender<Command>,
+    /// The newest frame.
+    pub frames: watch::Receiver<Arc<Frame>>,
+    /// The newest figures, as JSON.
+    pub status: watch::Receiver<Arc<str>>,
+    /// The scene as it is told to browsers, as JSON.
+    pub scene: watch::Receiver<Arc<str>>,
+    /// What happens once, as JSON.
+    pub events: broadcast::Sender<Arc<str>>,
+    /// Browsers that look: nothing is rendered for nobody.
+    pub watchers: Arc<AtomicUsize>,
+    haste: Haste,
+}
+
+/// What a session starts with.
+pub struct Start {
+    /// Where it renders.
+    pub device: Arc<dyn Device>,
+    /// What, and its name.
+    pub scene: Scene,
+    /// Its name.
+    pub name: String,
+    /// With what.
+    pub settings: RenderSettings,
+    /// Time of a frame in motion.
+    pub hold: Duration,
+    /// What to plot the error against.
+    pub reference: Option<Image>,
+}
+
+impl Session {
+    /// Starts the render thread.
+    ///
+    /// # Errors
+    /// If the scene does not fit the device, or the system refuses threads.
+    pub fn start(start: Start) -> Result<Self, ViewError> {
+        let (encoding, frames) = Encoding::start()?;
+        let (status, status_receiver) = watch::channel(Arc::from("{}"));
+        let (scene, scene_receiver) = watch::channel(Arc::from("{}"));
+        let (session, inbox) = Self::of(frames, status_receiver, scene_receiver);
+        let Start { device, scene: loaded, name, settings, hold, reference } = start;
+        let haste = session.haste.clone();
+        let engine = Engine::new(Arc::clone(&device), loaded, settings, Shown::default(), hold, haste)?;
+        let mut worker = Worker {
+            engine,
+            device,
+            encoding,
+            status,
+            scene,
+            name,
+            events: session.events.clone(),
+            watchers: Arc::clone(&session.watchers),
+            reference,
+            measured: Measured::default(),
+            paused: false,
+            shown_at: Instant::now(),
+            told_at: Instant::now(),
+            stale: true,
+            failure: None,
+        };
+        worker.tell_scene();
+        thread::Builder::new().name("render".into()).spawn(move || worker.run(&inbox))?;
+        Ok(session)
+    }
+
+    /// What carries frames and figures to browsers, and their commands to whoever receives them.
+    pub fn of(
+        frames: watch::Receiver<Arc<Frame>>,
+        status: watch::Receiver<Arc<str>>,
+        scene: watch::Receiver<Arc<str>>,
+    ) -> (Self, mpsc::Receiver<Command>) {
+        let (commands, inbox) = mpsc::sync_channel(QUEUE);
+        let (events, watchers) = (broadcast::Sender::new(EVENTS), Arc::default());
+        (Self { commands, frames, status, scene, events, watchers, haste: Haste::default() }, inbox)
+    }
+
+    /// Hands over a command; false where too many wait.
+    pub fn send(&self, command: Command) -> bool {
+        let ends_the_pass = match &command {
+            Command::Open(_) => true,
+            Command::Save(..) => false,
+            Command::Request(request) => request.forgets_samples(),
+        };
+        let taken = self.commands.try_send(command).is_ok();
+        if ends_the_pass {
+            self.haste.stop();
+        }
+        taken
+    }
+}
+
+/// The noise, and the plot.
+#[derive(Default)]
+struct Measured {
+    points: Vec<[f64; 2]>,
+    relmse: Option<f64>,
+    next: u64,
+    black: Option<String>,
+    samples: u64,
+}
+
+struct Worker {
+    engine: Engine,
+    device: Arc<dyn Device>,
+    encoding: Encoding,
+    status: watch::Sender<Arc<str>>,
+    scene: watch::Sender<Arc<str>>,
+    name: String,
+    events: broadcast::Sender<Arc<str>>,
+    watchers: Arc<AtomicUsize>,
+    reference: Option<Image>,
+    measured: Measured,
+    paused: bool,
+    shown_at: Instant,
+    told_at: Instant,
+    /// Whether what is shown is not what there is.
+    stale: bool,
+    failure: Option<String>,
+}
+
+impl Worker {
+    fn run(&mut self, inbox: &mpsc::Receiver<Command>) {
+        loop {
+            let idle = self.is_idle();
+            let wait = if idle { Duration::from_millis(100) } else { Duration::ZERO };
+            match inbox.recv_timeout(wait) {
+                Ok(command) => {
+                    self.obey_all(command, inbox);
+                    continue;
+                }
+                Err(RecvTimeoutError::Disconnected) => return,
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            if !self.is_idle()
+                && let Err(error) = self.render()
+            {
+                self.failure = Some(error.to_string());
+            }
+            self.tell_status();
+        }
+    }
+
+    fn is_idle(&self) -> bool {
+        let nobody = self.watchers.load(Ordering::Relaxed) == 0;
+        let still = self.paused && !self.engine.is_moving();
+        nobody || self.failure.is_some() || ((still || self.engine.is_done()) && !self.stale)
+    }
+
+    /// Carries out a command and all that came with it; of views the last counts.
+    fn obey_all(&mut self, first: Command, inbox: &mpsc::Receiver<Command>) {
+        for command in std::iter::once(first).chain(inbox.try_iter().take(QUEUE)) {
+            if let Err(error) = self.obey(command) {
+                self.event(&json!({ "type": "refused", "reason": error.to_string() }));
+            }
+        }
+    }
+
+    fn obey(&mut self, command: Command) -> Result<(), ViewError> {
+        self.stale = true;
+        match command {
+            Command::Request(request) => self.obey_request(request),
+            Command::Open(path) => self.open(&path),
+            Command::Save(format, answer) => {
+                let saved = save::bytes(&self.engine, &self.name, &self.device, format);
+                // The browser may have gone.
+                let _ = answer.send(saved.map_err(|error| error.to_string()));
+                Ok(())
+            }
+        }
+    }
+
+    fn obey_request(&mut self, request: Request) -> Result<(), ViewError> {
+        let engine = &mut self.engine;
+        match request {
+            Request::Look(view) => engine.look(&view)?,
+            Request::Render(wish) => engine.wish(&wish)?,
+            Request::Show(shown) => return engine.show(shown),
+            Request::Split { right } => engine.split(right)?,
+            Request::Region { window } => engine.region(window)?,
+            Request::Restart => engine.restart()?,
+            Request::Environment(surroundings) => engine.surround(surroundings, None)?,
+            Request::Pause { paused } => {
+                self.paused = paused;
+                return Ok(());
+            }
+            Request::Pick { x, y } => {
+                let aspect = engine.settings.width as f32 / engine.settings.height as f32;
+                let point = pick::pick(&engine.scene, &engine.camera, aspect, [x, y]);
+                self.event(&json!({ "type": "picked", "point": point.map(|p| p.to_array()) }));
+                return Ok(());
+            }
+            Request::Decoded | Request::Take | Request::Open { .. } => return Ok(()),
+        }
+        self.failure = None;
+        if self.engine.left.renderer.samples() == 0 || self.engine.is_moving() {
+            self.measured = Measured::default();
+        }
+        Ok(())
+    }
+
+    /// Opens a scene, an environment or a reference by its extension.
+    fn open(&mut self, path: &std::path::Path) -> Result<(), ViewError> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        self.event(&json!({ "type": "notice", "text": format!("opening {name}") }));
+        if extension == "hdr" || extension == "exr" {
+            let (image, warnings) =
+                midway_import::load_environment(path).map_err(|e| ViewError::Refused(e.to_string()))?;
+            self.engine.surround(Surroundings { strength: 1.0, rotation: 0.0 }, Some(image))?;
+            self.warn(&warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
+        } else {
+            let import = midway_import::load(path).map_err(|e| ViewError::Refused(e.to_string()))?;
+            let (settings, shown) = (self.engine.settings.clone(), self.engine.shown);
+            let (hold, haste) = (self.engine.hold_time(), self.engine.haste.clone());
+            self.engine = Engine::new(Arc::clone(&self.device), import.scene, settings, shown, hold, haste)?;
+            (self.name, self.reference) = (name, None);
+            self.warn(&import.warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
+        }
+        (self.measured, self.failure) = (Measured::default(), None);
+        self.tell_scene();
+        Ok(())
+    }
+
+    fn warn(&self, warnings: &[String]) {
+        if !warnings.is_empty() {
+            self.event(&json!({ "type": "warnings", "lines": warnings }));
+        }
+    }
+
+    fn render(&mut self) -> Result<(), ViewError> {
+        let engine = &mut self.engine;
+        let settled = self.paused && !engine.is_moving() && engine.is_whole();
+        let still = settled || engine.is_done();
+        let pixels = if still { Some(engine.pixels(false)?) } else { engine.frame()? };
+        let Some(pixels) = pixels else { return Ok(()) };
+        let every = if engine.left.seconds < LATE { SHOW_EVERY } else { SHOW_LATE };
+        if pixels.moving || self.stale || self.shown_at.elapsed() >= every {
+            self.stale = pixels.moving;
+            self.shown_at = Instant::now();
+            self.encoding.show(pixels);
+        }
+        self.measure()
+    }
+
+    /// The noise of a resting picture, now and then.
+    fn measure(&mut self) -> Result<(), ViewError> {
+        let left = &self.engine.left;
+        let samples = left.renderer.samples();
+        if samples < self.measured.samples {
+            self.measured = Measured::default();
+        }
+        if self.engine.is_moving() || samples < self.measured.next.max(MEASURE_FIRST) {
+            return Ok(());
+        }
+        let image = self.engine.image()?;
+        let relmse = match self.reference.as_ref().filter(|r| r.size() == image.size()) {
+            Some(reference) => {
+                midway_film::rmse_and_relmse(&image, reference).map_or(f64::NAN, |(_, relmse)| relmse)
+            }
+            None => layers::expected_relmse(&left.renderer, &image)?,
+        };
+        let measured = &mut self.measured;
+        measured.next = ((samples as f64 * MEASURE_GROWTH) as u64).max(samples + 1);
+        measured.samples = samples;
+        if relmse.is_finite() {
+            measured.relmse = Some(relmse);
+            if relmse > 0.0 {
+                measured.points.push([left.seconds, relmse]);
+            }
+        }
+        if measured.points.len() > MAX_POINTS {
+            let mut place = 0;
+            measured.points.retain(|_| {
+                place += 1;
+                place % 2 == 0
+            });
+        }
+        measured.black = black::reason(&self.engine, &image);
+        Ok(())
+    }
+
+    fn event(&self, event: &Value) {
+        let _ = self.events.send(event.to_string().into());
+    }
+
+    fn tell_scene(&self) {
+        let told = scene_message(&self.engine.scene, &self.name, &self.engine.camera);
+        self.scene.send_replace(told.to_string().into());
+    }
+
+    fn tell_status(&mut self) {
+        if self.told_at.elapsed() < STATUS_EVERY {
+            return;
+        }
+        self.told_at = Instant::now();
+        let told = self.describe().to_string();
+        self.status.send_replace(told.into());
+    }
+
+    fn describe(&self) -> Value {
+        let engine = &self.engine;
+        let half = |half: &Half| figures(&half.renderer, &half.stats, half.seconds, half.rays());
+        let info = self.device.info();
+        json!({
+            "type": "status", "left": half(&engine.left), "right": engine.right.as_ref().map(half),
+            "film": [engine.settings.width, engine.settings.height],
+            "region": engine.settings.crop.map(|c| [c.x, c.y, c.width, c.height]),
+            "method": Method::of(&engine.settings.integrator), "max_path_length": engine.settings.max_path_length,
+            "shown": engine.shown, "paused": self.paused, "moving": engine.is_moving(), "done": engine.is_done(),
+            "frame_ms": engine.frame_time.as_secs_f64() * 1e3, "hold_ms": engine.hold_time().as_secs_f64() * 1e3,
+            "device": info.name, "backend": info.backend,
+            "relmse": self.measured.relmse, "measured_by": if self.reference.is_some() { "reference" } else { "passes" },
+            "plot": self.measured.points, "black": self.measured.black, "failure": self.failure,
+        })
+    }
+}
+
+/// What browsers are told of a renderer.
+pub fn figures(renderer: &Renderer, stats: &RenderStats, seconds: f64, rays: u64) -> Value {
+    let settings = renderer.settings();
+    json!({
+        "integrator": settings.integrator.describe(), "method": Method::of(&settings.integrator),
+        "samples": renderer.samples(), "seconds": seconds, "rays": rays,
+        "mrays": rays as f64 / seconds.max(1e-9) / 1e6,
+        "rejected": stats.rejected, "overflowed": stats.overflowed,
+        "size": [settings.width, settings.height], "bias": settings.bias(),
+        "memory": renderer.plan().total(),
+    })
+}
+
+/// What browsers are told of a scene.
+pub fn scene_message(scene: &Scene, name: &str, camera: &Camera) -> Value {
+    let (bounds, counts) = (scene.bounds(), scene.counts());
+    let cameras: Vec<Value> = scene.cameras.iter().map(|camera| view_of(scene, camera)).collect();
+    json!({
+        "type": "scene", "name": name, "triangles": counts.triangles,
+        "lights": counts.emissive_triangles + scene.lights.len(),
+        "cameras": cameras, "view": view_of(scene, camera),
+        "bounds": [bounds.min.to_array(), bounds.max.to_array()],
+        "environment": scene.environment.is_some(),
+    })
+}
+
+/// A camera as browsers know it.
+fn view_of(scene: &Scene, camera: &Camera) -> Value {
+    let eye = camera.position();
+    let direction = |axis: glam::Vec3| camera.world_from_camera.transform_vector3(axis).normalize();
+    let distance = eye.distance(pick::middle(scene, camera));
+    json!({
+        "name": camera.name, "eye": eye.to_array(), "up": direction(glam::Vec3::Y).to_array(),
+        "target": (eye + direction(glam::Vec3::NEG_Z) * distance).to_array(),
+        "fov": camera.yfov().map(f32::to_degrees), "lens": camera.lens_radius, "focus": camera.focus_distance,
+    })
+}
