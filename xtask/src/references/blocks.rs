@@ -81,7 +81,8 @@ mod tests {
             ours.pixels[y * 160..][..20].fill([9.0; 3]);
         }
         let found = ratios(&ours, &theirs).unwrap();
-        assert!((found.median - 1.0).abs() <= 1e-6 && found.p90 > 1.5, "{found:?}");
+        // A quarter of the second column of blocks is 9 in place of 3.
+        assert!((found.median - 1.0).abs() <= 1e-6 && (found.p90 - 1.5).abs() <= 1e-6, "{found:?}");
     }
 
     #[test]
