@@ -218,6 +218,6 @@ async fn soak(address: &str, time: Duration, clients: u32, pid: &str) -> Outcome
     let (early, late) = (peak(&memory[sixth..2 * sixth]), peak(&memory[memory.len() - sixth..]));
     Ok(json!({
         "seconds": time.as_secs_f64(), "clients": clients, "frames": frames, "longest_wait_s": longest,
-        "memory_mib_early": early, "memory_mib_late": late, "growth": late / early - 1.0,
+        "memory_mib_peaks": memory.chunks(5).map(peak).collect::<Vec<_>>(), "memory_mib_early": early, "memory_mib_late": late, "growth": late / early - 1.0,
     }))
 }
