@@ -33,5 +33,5 @@ pub use pack::PackedScene;
 pub use renderer::{RenderStats, Renderer};
 pub use settings::{
     Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy,
-    PixelFilter, RenderSettings,
+    PixelFilter, RenderSettings, Rng,
 };

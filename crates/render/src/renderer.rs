@@ -18,7 +18,7 @@ use crate::{
     aov::{AOV_KERNELS, Aovs},
     batch::{LANE_KERNELS, Lane, LaneSize},
     buffers::{BufferSet, Pipelines, dispatch},
-    params::{base_params, join_factor},
+    params::{base_params, join_factor, mixed_seed},
     pool::{POOL_KERNELS, Pool},
     sizes::{Sizes, plan_shared, reserved_slots},
 };
@@ -96,7 +96,7 @@ impl Renderer {
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         settings.validate()?;
-        let packed = PackedScene::new(scene, camera, settings.rng_table)?;
+        let packed = PackedScene::new(scene, camera, settings.rng.table())?;
         let window = settings.window();
         let n_pixels = window.width * window.height;
         let n_light_paths = match settings.integrator.light_paths {
@@ -226,6 +226,16 @@ impl Renderer {
         self.aovs.restart(&*self.device)?;
         self.samples = 0;
         Ok(())
+    }
+
+    /// As [`Renderer::restart`], with another seed: samples that are independent of those before.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn restart_with_seed(&mut self, seed: u32) -> Result<(), RenderError> {
+        self.settings.seed = seed;
+        self.base.seed = mixed_seed(seed);
+        self.restart()
     }
 
     /// What was done so far.

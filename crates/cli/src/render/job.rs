@@ -6,7 +6,7 @@ use midway_device::{Device, MemoryPlan};
 use midway_film::{Channel, Image};
 use midway_render::{
     Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, PixelFilter,
-    RenderError, RenderSettings, RenderStats, Renderer,
+    RenderError, RenderSettings, RenderStats, Renderer, Rng,
 };
 use midway_scene::Scene;
 
@@ -46,6 +46,11 @@ impl RenderJob {
     /// Every bias that was asked for.
     pub fn bias(&self) -> Vec<String> {
         self.renderer.settings().bias()
+    }
+
+    /// Where its random numbers come from, for headers.
+    pub fn rng(&self) -> String {
+        self.renderer.settings().rng.describe()
     }
 
     /// The pixel filter, for headers.
@@ -113,9 +118,10 @@ pub fn settings(args: &RenderArgs, frame: &Frame) -> RenderSettings {
         aovs: args.aov.0.clone(),
         integrator: integrator(args),
         max_path_length: args.max_path_length,
-        rng_table: match args.rng {
-            RngArg::Hash => None,
-            RngArg::Table(entries) => Some(entries),
+        rng: match args.rng {
+            RngArg::Sobol => Rng::Sobol,
+            RngArg::Hash => Rng::Hash,
+            RngArg::Table(entries) => Rng::Table(entries),
         },
         clamp: args.clamp,
         ..RenderSettings::default()

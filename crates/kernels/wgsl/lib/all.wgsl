@@ -1,6 +1,7 @@
 // The pure functions, in the order of their needs.
 #include "lib/math.wgsl"
 #include "lib/rng.wgsl"
+#include "lib/sobol.wgsl"
 #include "lib/sampling.wgsl"
 #include "lib/camera.wgsl"
 #include "lib/pixel_filter.wgsl"
