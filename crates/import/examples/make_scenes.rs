@@ -39,7 +39,28 @@ fn main() -> io::Result<()> {
     lamp.add("shade", quads(&shade(), Front::From(dvec3(186.0, 240.0, 168.0))), diffuse(WHITE, true));
     let bulb = horizontal(186.0, 168.0, 30.0, 30.0, 170.0);
     lamp.add("light", quads(&[bulb], Front::Along(DVec3::Y)), emitter([255.0, 180.0, 60.0]));
-    lamp.save(folder, "lamp")
+    lamp.save(folder, "lamp")?;
+
+    let mut glass_and_mirror = cornell_box();
+    let [_, tall] = blocks();
+    glass_and_mirror.add("mirror block", tall, mirror());
+    glass_and_mirror.add("glass sphere", sphere(dvec3(170.0, 90.0, 180.0), 90.0), glass());
+    glass_and_mirror.add("light", quads(&[ceiling_light], Front::Along(DVec3::NEG_Y)), emitter([17.0, 12.0, 4.0]));
+    glass_and_mirror.save(folder, "cornell-glass-mirror")?;
+
+    exterior().save(folder, "exterior")
+}
+
+/// The blocks on open ground under a light as wide as the sky: nearly all light comes straight from it.
+fn exterior() -> Document {
+    let mut document = Document::new();
+    let ground = horizontal(278.0, 279.5, 3000.0, 3000.0, 0.0);
+    document.add("ground", quads(&[ground], Front::Along(DVec3::Y)), diffuse([0.4, 0.36, 0.3], true));
+    add_blocks(&mut document);
+    let sky = horizontal(278.0, 279.5, 4000.0, 4000.0, 3000.0);
+    document.add("light", quads(&[sky], Front::Along(DVec3::NEG_Y)), emitter([1.1, 1.2, 1.4]));
+    document.look(dvec3(278.0, 400.0, -800.0), dvec3(278.0, 120.0, 250.0), 39.3077_f64.to_radians());
+    document
 }
 
 /// The empty box with its camera.
@@ -86,11 +107,17 @@ fn cornell_box() -> Document {
 }
 
 fn add_blocks(document: &mut Document) {
+    let [short, tall] = blocks();
+    document.add("short block", short, diffuse(WHITE, true));
+    document.add("tall block", tall, diffuse(WHITE, true));
+}
+
+/// The short block and the tall one.
+fn blocks() -> [Shape; 2] {
     let short = block([(130.0, 65.0), (82.0, 225.0), (240.0, 272.0), (290.0, 114.0)], 165.0);
     let tall = block([(423.0, 247.0), (265.0, 296.0), (314.0, 456.0), (472.0, 406.0)], 330.0);
     let outward = |x, y, z| Front::From(dvec3(x, y, z));
-    document.add("short block", quads(&short, outward(185.0, 82.0, 169.0)), diffuse(WHITE, true));
-    document.add("tall block", quads(&tall, outward(368.0, 165.0, 351.0)), diffuse(WHITE, true));
+    [quads(&short, outward(185.0, 82.0, 169.0)), quads(&tall, outward(368.0, 165.0, 351.0))]
 }
 
 /// A block's top and sides, from its measured top corners (x, z).
@@ -144,6 +171,14 @@ fn glass() -> Value {
             "KHR_materials_ior": {"ior": 1.5},
             "KHR_materials_volume": {"thicknessFactor": 1.0},
         },
+    })
+}
+
+fn mirror() -> Value {
+    json!({
+        "pbrMetallicRoughness":
+            {"baseColorFactor": [0.95, 0.95, 0.95, 1.0], "metallicFactor": 1.0, "roughnessFactor": 0.0},
+        "extensions": {},
     })
 }
 

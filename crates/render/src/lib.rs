@@ -13,6 +13,7 @@
 //! ```
 
 mod aov;
+mod auto;
 mod batch;
 mod buffers;
 mod environment;
@@ -28,6 +29,7 @@ mod sizes;
 mod world;
 
 pub use aov::Aov;
+pub use auto::{Candidate, Choice, choose};
 pub use error::RenderError;
 pub use pack::PackedScene;
 pub use renderer::{RenderStats, Renderer};

@@ -8,6 +8,8 @@ use midway_render::Aov;
 /// `--integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum IntegratorArg {
+    /// Path or bdpt, and which, by a short warm-up.
+    Auto,
     /// Camera paths; light only where they hit it.
     PathNaive,
     /// Camera paths that sample a light at each vertex.

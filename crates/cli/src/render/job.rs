@@ -5,7 +5,7 @@ use std::sync::Arc;
 use midway_device::{Device, MemoryPlan};
 use midway_film::{Channel, Image};
 use midway_render::{
-    Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, PixelFilter,
+    Choice, Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, PixelFilter,
     RenderError, RenderSettings, RenderStats, Renderer, Rng,
 };
 use midway_scene::Scene;
@@ -97,8 +97,22 @@ impl Job for RenderJob {
     }
 }
 
+/// What `--integrator auto` renders with.
+///
+/// # Errors
+/// With the status of [`failure`].
+pub fn choose(
+    device: &Arc<dyn Device>,
+    scene: &Scene,
+    frame: &Frame,
+    settings: &RenderSettings,
+) -> Outcome<Choice> {
+    midway_render::choose(settings, |settings| Renderer::new(device.clone(), scene, &frame.camera, settings))
+        .map_err(failure)
+}
+
 /// The exit code of each way in which a render can fail.
-fn failure(error: RenderError) -> Failure {
+pub fn failure(error: RenderError) -> Failure {
     let status = match error {
         RenderError::Settings(_) | RenderError::PathTooLong { .. } => Status::Usage,
         RenderError::Scene(_) | RenderError::Accel(_) | RenderError::TooManyTexels => Status::Input,
@@ -142,7 +156,8 @@ fn integrator(args: &RenderArgs) -> IntegratorSettings {
     IntegratorSettings {
         integrator: match args.integrator {
             IntegratorArg::PathNaive => Integrator::PathNaive,
-            IntegratorArg::Path => Integrator::Path,
+            // Until the warm-up has chosen.
+            IntegratorArg::Auto | IntegratorArg::Path => Integrator::Path,
             IntegratorArg::Light => Integrator::Light,
             IntegratorArg::Bdpt => Integrator::Bdpt,
         },

@@ -18,7 +18,7 @@ use midway_device::{Bytes, MemoryPlan, OpenOptions, open_device};
 use midway_film::{Display, ToneMap, check_writable};
 
 use crate::{
-    args::{RenderArgs, ToneMapArg},
+    args::{IntegratorArg, RenderArgs, ToneMapArg},
     info,
     scene_file::{self, LoadedScene},
     status::{Failure, OrStatus, Outcome, Status},
@@ -57,10 +57,16 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     let device = open_device(&args.device, &options).or_status(Status::Device)?;
     let new_meter = |reference: &Path| ErrorMeter::new(reference, args.errors.as_deref(), &frame);
     let meter = args.reference.as_deref().map(new_meter).transpose()?;
-    let settings = job::settings(args, &frame);
-    let header = header::of_request(args, &scene, &frame, device.info());
+    let mut settings = job::settings(args, &frame);
+    let mut header = header::of_request(args, &scene, &frame, device.info());
     let info = device.info();
     reporter.note(&format!("device: {} ({})", info.name, info.backend));
+    if args.integrator == IntegratorArg::Auto {
+        let choice = job::choose(&device, &scene, &frame, &settings)?;
+        settings.integrator = choice.integrator();
+        reporter.note(&format!("auto: error for the same work: {}", choice.describe()));
+        header.set("auto", choice.describe());
+    }
     let tell = |plan: &MemoryPlan| match args.verbose {
         true => reporter.note(&format!("memory:\n{plan}")),
         false => reporter.note(&format!("memory: {}", Bytes(plan.total()))),
