@@ -22,6 +22,7 @@ mod medium;
 mod pack;
 mod params;
 mod pool;
+pub mod rays;
 mod renderer;
 mod settings;
 mod sizes;
