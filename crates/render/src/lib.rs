@@ -23,6 +23,7 @@ mod pack;
 mod params;
 mod pool;
 pub mod rays;
+mod record;
 mod renderer;
 mod settings;
 mod sizes;
@@ -31,6 +32,7 @@ mod world;
 pub use aov::Aov;
 pub use error::RenderError;
 pub use pack::PackedScene;
+pub use record::BounceRays;
 pub use renderer::{RenderStats, Renderer};
 pub use settings::{
     Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy,

@@ -44,7 +44,7 @@ pub fn run(args: &RaysArgs) -> Outcome {
         console::note(&line(report));
         rows.push(row_json(report));
     };
-    bench_rays(&*device, &scene, &options, tell_hierarchy, tell).map_err(failure)?;
+    bench_rays(&device, &scene, &options, tell_hierarchy, tell).map_err(failure)?;
     if !args.json {
         return Ok(());
     }

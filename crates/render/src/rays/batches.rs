@@ -1,33 +1,67 @@
 //! The rays that are traced.
 
+use std::sync::Arc;
+
 use glam::Vec3;
+use midway_device::Device;
 use midway_kernels::native;
 use midway_scene::{Bounds, Camera, Projection, Scene};
 
-/// Where rays come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RayKind {
-    /// Through the pixels of a square image, row by row.
-    Camera,
-    /// From anywhere in the scene's bounds in any direction.
-    Random,
-}
+use super::Question;
+use crate::{RenderError, RenderSettings, Renderer};
+
+/// Bounces that are measured each alone; those after them together.
+const BOUNCES_ALONE: usize = 3;
 
 /// Rays to be traced together.
 pub(super) struct Batch {
     pub name: String,
+    /// What they ask; both where none.
+    pub question: Option<Question>,
     /// Two vec4 each: origin and t_max; direction.
     pub rays: Vec<[f32; 4]>,
 }
 
-/// Every batch of a scene, each of about `n_rays` rays.
-pub(super) fn all(scene: &Scene, n_rays: u32) -> Vec<Batch> {
+/// Every batch of a scene: of about `n_rays` rays through pixels and from anywhere, and what one batch of
+/// `path` traces.
+pub(super) fn all(device: &Arc<dyn Device>, scene: &Scene, n_rays: u32) -> Result<Vec<Batch>, RenderError> {
     let bounds = scene.bounds();
     let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&bounds, 1.0));
-    vec![
-        Batch { name: "camera".to_owned(), rays: camera_rays(&camera, n_rays) },
-        Batch { name: "random".to_owned(), rays: random_rays(&bounds, n_rays) },
-    ]
+    let mut batches = vec![
+        Batch { name: "camera".to_owned(), question: None, rays: camera_rays(&camera, n_rays) },
+        Batch { name: "random".to_owned(), question: None, rays: random_rays(&bounds, n_rays) },
+    ];
+    if scene.has_light() {
+        batches.extend(recorded(device, scene, &camera, n_rays)?);
+    }
+    Ok(batches)
+}
+
+fn recorded(
+    device: &Arc<dyn Device>,
+    scene: &Scene,
+    camera: &Camera,
+    n_rays: u32,
+) -> Result<Vec<Batch>, RenderError> {
+    let side = f64::from(n_rays).sqrt() as u32;
+    let settings = RenderSettings { width: side, height: side, ..RenderSettings::default() };
+    let bounces = Renderer::new(device.clone(), scene, camera, settings)?.record_rays()?;
+    let mut batches: Vec<Batch> = Vec::new();
+    for (index, bounce) in bounces.into_iter().enumerate() {
+        let name = match index {
+            0..BOUNCES_ALONE => format!("bounce {}", index + 1),
+            _ => format!("bounces {}+", BOUNCES_ALONE + 1),
+        };
+        for (question, rays) in [(Question::Closest, bounce.closest), (Question::Any, bounce.shadow)] {
+            let asked = Some(question);
+            match batches.iter_mut().find(|batch| batch.name == name && batch.question == asked) {
+                Some(batch) => batch.rays.extend(rays),
+                None => batches.push(Batch { name: name.clone(), question: asked, rays }),
+            }
+        }
+    }
+    batches.retain(|batch| !batch.rays.is_empty());
+    Ok(batches)
 }
 
 fn ray(origin: Vec3, direction: Vec3, t_max: f32) -> [[f32; 4]; 2] {

@@ -60,8 +60,8 @@ impl<'a> Bench<'a> {
     pub fn wants_any(&self, variant: &str, splits: &str) -> bool {
         self.batches.iter().any(|batch| {
             [Question::Closest, Question::Any]
-                .iter()
-                .any(|question| wants(&self.options.only, variant, splits, &batch.batch.name, *question))
+                .into_iter()
+                .any(|question| wants(&self.options.only, variant, splits, batch.batch, question))
         })
     }
 
@@ -89,7 +89,7 @@ impl<'a> Bench<'a> {
                 set.insert("hits", batch.hits.clone());
                 for (kernel, question) in [(variant.closest, Question::Closest), (variant.any, Question::Any)]
                 {
-                    if !wants(&self.options.only, variant.name, splits, &batch.batch.name, question) {
+                    if !wants(&self.options.only, variant.name, splits, batch.batch, question) {
                         continue;
                     }
                     let command = dispatch(&set.bind(device, &pipelines, kernel)?, batch.n_rays());
@@ -114,9 +114,10 @@ impl<'a> Bench<'a> {
 }
 
 /// Each word asked for has to be in one of the names, so that words narrow down what is measured.
-fn wants(only: &[String], variant: &str, splits: &str, rays: &str, question: Question) -> bool {
-    let names = [variant, splits, rays, question.name()];
-    only.iter().all(|word| names.iter().any(|name| name.contains(word.as_str())))
+fn wants(only: &[String], variant: &str, splits: &str, batch: &Batch, question: Question) -> bool {
+    let names = [variant, splits, &batch.name, question.name()];
+    batch.question.is_none_or(|asked| asked == question)
+        && only.iter().all(|word| names.iter().any(|name| name.contains(word.as_str())))
 }
 
 /// The median of several runs after one to warm up, by the device's clock and by CPU time.

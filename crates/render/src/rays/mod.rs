@@ -7,7 +7,7 @@ mod batches;
 mod generated;
 mod measure;
 
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 use glam::Vec3;
 use midway_accel::{BuildOptions, Bvh, WideBvh, build, build_wide};
@@ -17,7 +17,6 @@ use midway_scene::Scene;
 
 use crate::RenderError;
 
-pub use batches::RayKind;
 pub use generated::generated_scene;
 use measure::Bench;
 
@@ -139,7 +138,7 @@ impl RayReport {
 /// # Errors
 /// If the scene is invalid or empty, or the device fails.
 pub fn bench_rays(
-    device: &dyn Device,
+    device: &Arc<dyn Device>,
     scene: &Scene,
     options: &RaysOptions,
     mut tell_hierarchy: impl FnMut(&HierarchyReport),
@@ -154,8 +153,8 @@ pub fn bench_rays(
         DeviceKind::Gpu => GPU_RAYS,
         DeviceKind::Cpu | DeviceKind::SoftwareGpu => CPU_RAYS,
     });
-    let batches = batches::all(scene, n_rays);
-    let mut bench = Bench::new(device, &batches, options)?;
+    let batches = batches::all(device, scene, n_rays)?;
+    let mut bench = Bench::new(&**device, &batches, options)?;
     for spatial_splits in [false, true] {
         let build_options = BuildOptions { spatial_splits, ..BuildOptions::default() };
         let splits = if spatial_splits { "splits" } else { "plain" };
