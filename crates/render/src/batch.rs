@@ -1,7 +1,10 @@
 //! One batch of paths on one lane: its working buffers, and its phases as lists of commands.
 
 use std::{
-    sync::atomic::{AtomicU64, Ordering},
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
     time::Duration,
 };
 
@@ -11,6 +14,7 @@ use midway_kernels::{constants as k, layout::Params};
 use crate::{
     RenderError,
     buffers::{BufferSet, Pipelines, dispatch, dispatch_indirect},
+    record::{BounceRays, Recorder},
 };
 
 /// Bytes of a vec4.
@@ -76,6 +80,15 @@ pub struct Lane {
     trace_shadow: BoundKernel,
     /// Nanoseconds.
     longest_run: AtomicU64,
+    recorder: Recorder,
+    /// What was recorded, while that is asked for.
+    recorded: Mutex<Option<Recording>>,
+}
+
+/// Rays read back so far, of a batch of `n_paths`.
+struct Recording {
+    n_paths: u32,
+    bounces: Vec<BounceRays>,
 }
 
 /// The kernels of a lane.
@@ -110,15 +123,18 @@ impl Lane {
         let params = add("params", size_of::<Params>() as u64, BufferUsage::Uniform)?;
         let counters = add("counters", u64::from(k::N_COUNTERS) * 4, BufferUsage::Storage)?;
         let args = add("dispatch_args", u64::from(k::N_ARGS) * 4, BufferUsage::Indirect)?;
-        add("paths", size.path_bytes(), BufferUsage::Storage)?;
-        add("queues", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
-        add("shadow_rays", size.shadow_bytes(), BufferUsage::Storage)?;
+        let paths = add("paths", size.path_bytes(), BufferUsage::Storage)?;
+        let queues = add("queues", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
+        let shadow_rays = add("shadow_rays", size.shadow_bytes(), BufferUsage::Storage)?;
         if own_vertices {
             add("light_vertices", size.vertex_bytes(), BufferUsage::Storage)?;
             add("light_paths", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
         }
         let bind = |name| set.bind(device, pipelines, name);
+        let recorder = Recorder { paths, queues, shadow_rays, counters: counters.clone() };
         Ok(Self {
+            recorder,
+            recorded: Mutex::new(None),
             size,
             params,
             counters,
@@ -201,6 +217,23 @@ impl Lane {
         self.run_until_empty(device, start, &bounce)
     }
 
+    /// Calls `work`, which traces batches of `n_paths` on this lane, and returns every ray that was
+    /// traced, bounce by bounce. One bounce at a time: slower, with the same results.
+    pub fn record(
+        &self,
+        n_paths: u32,
+        work: impl FnOnce() -> Result<(), RenderError>,
+    ) -> Result<Vec<BounceRays>, RenderError> {
+        *self.recording() = Some(Recording { n_paths, bounces: Vec::new() });
+        let outcome = work();
+        let recorded = self.recording().take();
+        outcome.map(|()| recorded.map(|r| r.bounces).unwrap_or_default())
+    }
+
+    fn recording(&self) -> MutexGuard<'_, Option<Recording>> {
+        self.recorded.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The counters that add up over the render: rays, rejected samples, overflows.
     pub fn totals(&self, device: &dyn Device) -> Result<LaneTotals, RenderError> {
         read_totals(device, &self.counters)
@@ -228,6 +261,15 @@ impl Lane {
         mut commands: Vec<Command>,
         bounce: &[Command],
     ) -> Result<(), RenderError> {
+        if let Some(recording) = &mut *self.recording() {
+            device.run(&commands, false)?;
+            while self.counter(device, k::COUNT_IN)? > 0 {
+                let closest = self.recorder.queued(device, recording.n_paths)?;
+                device.run(bounce, false)?;
+                recording.bounces.push(BounceRays { closest, shadow: self.recorder.shadow(device)? });
+            }
+            return Ok(());
+        }
         let chunk = bounces_per_run(device);
         let repeated: Vec<Command> = bounce.iter().cycle().take(bounce.len() * chunk).cloned().collect();
         commands.extend(repeated.iter().cloned());

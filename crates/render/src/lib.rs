@@ -23,6 +23,8 @@ mod medium;
 mod pack;
 mod params;
 mod pool;
+pub mod rays;
+mod record;
 mod renderer;
 mod settings;
 mod sizes;
@@ -32,6 +34,7 @@ pub use aov::Aov;
 pub use auto::{Candidate, Choice, choose};
 pub use error::RenderError;
 pub use pack::PackedScene;
+pub use record::BounceRays;
 pub use renderer::{RenderStats, Renderer};
 pub use settings::{
     Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy,

@@ -14,7 +14,7 @@ use midway_kernels::{constants as k, layout::Params};
 use midway_scene::{Camera, Scene};
 
 use crate::{
-    Join, LightPaths, PackedScene, RenderError, RenderSettings,
+    BounceRays, Join, LightPaths, PackedScene, RenderError, RenderSettings,
     aov::{AOV_KERNELS, Aovs},
     batch::{LANE_KERNELS, Lane, LaneSize},
     buffers::{BufferSet, Pipelines, dispatch},
@@ -215,6 +215,23 @@ impl Renderer {
     /// If the device fails.
     pub fn channels(&self) -> Result<Vec<Channel>, RenderError> {
         self.aovs.channels(&*self.device, self.samples, self.base.n_pixels)
+    }
+
+    /// The rays of one batch from the image's first pixel on, read back bounce by bounce, for measuring
+    /// them alone; of light paths first where the integrator has them. All samples are forgotten.
+    ///
+    /// # Errors
+    /// If light paths come from a pool, or the device fails.
+    pub fn record_rays(&mut self) -> Result<Vec<BounceRays>, RenderError> {
+        if self.pool.is_some() {
+            return Err(RenderError::Settings("rays of a pool are not recorded".to_owned()));
+        }
+        let lane = &self.lanes[0];
+        let n_paths = lane.size().n_paths.min(self.base.n_pixels);
+        let params = Params { n_paths, ..self.base };
+        let recorded = lane.record(n_paths, || self.render_batch(&*self.device, lane, params))?;
+        self.restart()?;
+        Ok(recorded)
     }
 
     /// Forgets all samples; the next pass is the first again.

@@ -1,5 +1,6 @@
 //! The command line as typed. Every flag is declared here, once.
 
+mod bench;
 mod render;
 mod values;
 
@@ -9,6 +10,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::status::Status;
 
+pub use bench::{Bench, BenchArgs, RaysArgs};
 pub use render::RenderArgs;
 pub use values::{
     CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
@@ -35,6 +37,8 @@ pub enum Command {
     Info(InfoArgs),
     /// List the devices of this machine.
     Devices(DevicesArgs),
+    /// Measure how fast parts of Midway are.
+    Bench(BenchArgs),
 }
 
 /// `midway compare`.
@@ -88,7 +92,9 @@ mod tests {
 
     #[test]
     fn every_flag_is_in_the_help_with_a_description() {
-        for command in Cli::command().get_subcommands() {
+        let cli = Cli::command();
+        let nested = cli.get_subcommands().flat_map(|command| command.get_subcommands());
+        for command in cli.get_subcommands().chain(nested) {
             let help = command.clone().render_help().to_string();
             for argument in command.get_arguments() {
                 let name = argument.get_long().map(|long| format!("--{long}"));
