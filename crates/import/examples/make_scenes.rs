@@ -45,7 +45,11 @@ fn main() -> io::Result<()> {
     let [_, tall] = blocks();
     glass_and_mirror.add("mirror block", tall, mirror());
     glass_and_mirror.add("glass sphere", sphere(dvec3(170.0, 90.0, 180.0), 90.0), glass());
-    glass_and_mirror.add("light", quads(&[ceiling_light], Front::Along(DVec3::NEG_Y)), emitter([17.0, 12.0, 4.0]));
+    glass_and_mirror.add(
+        "light",
+        quads(&[ceiling_light], Front::Along(DVec3::NEG_Y)),
+        emitter([17.0, 12.0, 4.0]),
+    );
     glass_and_mirror.save(folder, "cornell-glass-mirror")?;
 
     exterior().save(folder, "exterior")

@@ -107,19 +107,16 @@ struct WarmUp {
     rays: f64,
 }
 
-/// Compares the candidates on the scene of which `make` makes renderers. Of `settings` all but the
-/// integrator, the crop, the seed and the layers are kept; of the integrator its heuristic.
+/// Compares the candidates on a renderer's scene. Of its settings all but the integrator, the crop, the
+/// seed and the layers count; of the integrator its heuristic.
 ///
 /// # Errors
-/// Of `make`, or if the device fails.
-pub fn choose(
-    settings: &RenderSettings,
-    mut make: impl FnMut(RenderSettings) -> Result<Renderer, RenderError>,
-) -> Result<Choice, RenderError> {
-    let small = small_settings(settings);
-    let warm_ups = candidates(&settings.integrator)
+/// If the device fails or has no room for small images beside the renderer.
+pub fn choose(renderer: &Renderer) -> Result<Choice, RenderError> {
+    let small = small_settings(renderer.settings());
+    let warm_ups = candidates(&small.integrator)
         .into_iter()
-        .map(|integrator| warm_up(&mut make, RenderSettings { integrator, ..small.clone() }))
+        .map(|integrator| warm_up(renderer.beside(RenderSettings { integrator, ..small.clone() })?))
         .collect::<Result<Vec<_>, _>>()?;
     Ok(Choice::of(judge(&warm_ups)))
 }
@@ -137,13 +134,9 @@ fn small_settings(settings: &RenderSettings) -> RenderSettings {
     }
 }
 
-fn warm_up(
-    make: &mut impl FnMut(RenderSettings) -> Result<Renderer, RenderError>,
-    settings: RenderSettings,
-) -> Result<WarmUp, RenderError> {
-    let integrator = settings.integrator;
-    let samples = 2.0 * SAMPLES as f64 * f64::from(settings.width * settings.height);
-    let mut renderer = make(settings)?;
+fn warm_up(mut renderer: Renderer) -> Result<WarmUp, RenderError> {
+    let &RenderSettings { integrator, width, height, .. } = renderer.settings();
+    let samples = 2.0 * SAMPLES as f64 * f64::from(width * height);
     let mut image = |seed| {
         renderer.restart_with_seed(seed)?;
         while renderer.samples() < SAMPLES {

@@ -1,6 +1,7 @@
 //! One batch of paths on one lane: its working buffers, and its phases as lists of commands.
 
 use std::{
+    collections::BTreeMap,
     sync::{
         Mutex, MutexGuard, PoisonError,
         atomic::{AtomicU64, Ordering},
@@ -80,10 +81,15 @@ pub struct Lane {
     trace_shadow: BoundKernel,
     /// Nanoseconds.
     longest_run: AtomicU64,
+    /// Of each kernel so far, while that is asked for.
+    times: Mutex<Option<KernelTimes>>,
     recorder: Recorder,
     /// What was recorded, while that is asked for.
     recorded: Mutex<Option<Recording>>,
 }
+
+/// The time on the device of each kernel, by its name.
+pub type KernelTimes = BTreeMap<&'static str, Duration>;
 
 /// Rays read back so far, of a batch of `n_paths`.
 struct Recording {
@@ -135,6 +141,7 @@ impl Lane {
         Ok(Self {
             recorder,
             recorded: Mutex::new(None),
+            times: Mutex::new(None),
             size,
             params,
             counters,
@@ -156,6 +163,17 @@ impl Lane {
     /// Its size.
     pub fn size(&self) -> LaneSize {
         self.size
+    }
+
+    /// Takes on another size, where its buffers have room for it. Only own light vertices may move.
+    pub fn resize(&mut self, size: LaneSize) -> bool {
+        let slots = |size: LaneSize| u64::from(size.append_at) + u64::from(size.append_capacity);
+        let fits = size.n_paths == self.size.n_paths && slots(size) <= slots(self.size);
+        if fits {
+            self.size.append_capacity = self.size.append_at + self.size.append_capacity - size.append_at;
+            self.size.append_at = size.append_at;
+        }
+        fits
     }
 
     /// The longest list of commands since this was last asked: no dispatch lasted longer.
@@ -197,7 +215,7 @@ impl Lane {
             )?;
             let mut commands = vec![dispatch(&self.connect_camera, end - first)];
             commands.extend(self.shadow_commands());
-            device.run(&commands, false)?;
+            self.run(device, &commands)?;
             first = end;
         }
         Ok(())
@@ -274,13 +292,33 @@ impl Lane {
         let repeated: Vec<Command> = bounce.iter().cycle().take(bounce.len() * chunk).cloned().collect();
         commands.extend(repeated.iter().cloned());
         loop {
-            let timing = device.run(&commands, false)?;
-            self.longest_run.fetch_max(timing.wall.as_nanos() as u64, Ordering::Relaxed);
+            let wall = self.run(device, &commands)?;
+            self.longest_run.fetch_max(wall.as_nanos() as u64, Ordering::Relaxed);
             if self.counter(device, k::COUNT_IN)? == 0 {
                 return Ok(());
             }
             commands.clone_from(&repeated);
         }
+    }
+
+    /// Runs commands, timed kernel by kernel where that is asked for; how long all of them took.
+    fn run(&self, device: &dyn Device, commands: &[Command]) -> Result<Duration, RenderError> {
+        let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
+        let timing = device.run(commands, times.is_some())?;
+        if let Some(times) = &mut *times {
+            timing.dispatches.iter().for_each(|&(kernel, time)| *times.entry(kernel).or_default() += time);
+        }
+        Ok(timing.wall)
+    }
+
+    /// Starts to time each kernel, from zero.
+    pub fn time_kernels(&self) {
+        *self.times.lock().unwrap_or_else(PoisonError::into_inner) = Some(KernelTimes::new());
+    }
+
+    /// The times since that was asked for; none where it was not.
+    pub fn kernel_times(&self) -> KernelTimes {
+        self.times.lock().unwrap_or_else(PoisonError::into_inner).clone().unwrap_or_default()
     }
 
     fn counter(&self, device: &dyn Device, index: u32) -> Result<u32, RenderError> {
@@ -319,4 +357,16 @@ pub struct LaneTotals {
     pub rejected: u64,
     /// Film sums that overflowed.
     pub overflowed: u64,
+}
+
+impl std::ops::Add for LaneTotals {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            rejected: self.rejected + other.rejected,
+            overflowed: self.overflowed + other.overflowed,
+        }
+    }
 }

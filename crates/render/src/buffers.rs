@@ -8,6 +8,7 @@ use midway_kernels::kernel;
 use crate::RenderError;
 
 /// Compiled kernels, each loaded once.
+#[derive(Clone)]
 pub struct Pipelines(HashMap<&'static str, Pipeline>);
 
 impl Pipelines {
@@ -18,6 +19,14 @@ impl Pipelines {
             .map(|&name| Ok((name, device.load_kernel(kernel(name))?)))
             .collect::<Result<_, _>>()
             .map(Self)
+    }
+
+    /// Loads one more, unless it is there.
+    pub fn add(&mut self, device: &dyn Device, name: &'static str) -> Result<(), DeviceError> {
+        if !self.0.contains_key(name) {
+            self.0.insert(name, device.load_kernel(kernel(name))?);
+        }
+        Ok(())
     }
 }
 

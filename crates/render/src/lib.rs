@@ -18,6 +18,7 @@ mod batch;
 mod buffers;
 mod environment;
 mod error;
+mod hold;
 mod lights;
 mod medium;
 mod pack;
@@ -32,7 +33,9 @@ mod world;
 
 pub use aov::Aov;
 pub use auto::{Candidate, Choice, choose};
+pub use batch::KernelTimes;
 pub use error::RenderError;
+pub use hold::{Hold, HoldLimits, Load};
 pub use pack::PackedScene;
 pub use record::BounceRays;
 pub use renderer::{RenderStats, Renderer};

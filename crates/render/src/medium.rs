@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 use midway_accel::TwoLevel;
-use midway_scene::Material;
+use midway_scene::{Camera, Material, Scene};
 
-use crate::world::World;
+use crate::world::{Layout, World};
 
 /// Crossings followed at most; beyond it the point counts as outside.
 const MAX_CROSSINGS: usize = 256;
@@ -51,6 +51,29 @@ impl MediumFinder<'_> {
             origin += direction * step.max(f32::MIN_POSITIVE);
         }
         None
+    }
+}
+
+/// What is kept to find the medium of cameras that come later.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraMedia {
+    two_level: TwoLevel,
+    positions: Vec<[Vec3; 3]>,
+    layout: Layout,
+}
+
+impl CameraMedia {
+    /// Of a world in which any material has an inside; else there is nothing to find.
+    pub fn keep(world: &World<'_>, two_level: TwoLevel, positions: Vec<[Vec3; 3]>) -> Option<Self> {
+        let any = world.scene().materials.iter().any(is_boundary);
+        any.then(|| Self { two_level, positions, layout: world.layout().clone() })
+    }
+
+    /// The medium that a camera is in. `scene` is the one that was packed.
+    pub fn of_camera(&self, scene: &Scene, camera: &Camera) -> Option<u32> {
+        let world = World::of_layout(scene, self.layout.clone());
+        let media = MediumFinder { two_level: &self.two_level, positions: &self.positions, world: &world };
+        media.medium_at(camera.position(), camera.world_from_camera.transform_vector3(Vec3::NEG_Z))
     }
 }
 

@@ -1,9 +1,12 @@
 //! The renderer: schedules samples as passes, and passes as batches over the device's lanes.
 
+mod display;
+mod live;
+
 use std::{
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicU32, Ordering},
+        atomic::{AtomicBool, AtomicU32, Ordering},
     },
     time::Duration,
 };
@@ -16,11 +19,11 @@ use midway_scene::{Camera, Scene};
 use crate::{
     BounceRays, Join, LightPaths, PackedScene, RenderError, RenderSettings,
     aov::{AOV_KERNELS, Aovs},
-    batch::{LANE_KERNELS, Lane, LaneSize},
+    batch::{KernelTimes, LANE_KERNELS, Lane, LaneSize, LaneTotals},
     buffers::{BufferSet, Pipelines, dispatch},
     params::{base_params, join_factor, mixed_seed},
-    pool::{POOL_KERNELS, Pool},
-    sizes::{Sizes, plan_shared, reserved_slots},
+    pool::{POOL_KERNELS, Pool, PoolSize},
+    sizes::{Sizes, plan_scene, plan_shared, reserved_slots},
 };
 
 /// Light paths of the pilot that measures L.
@@ -61,10 +64,14 @@ pub struct Renderer {
     resolve: BoundKernel,
     resolve_params: Buffer,
     lanes: Vec<Lane>,
-    pool: Option<Pool>,
+    pool: Option<(Pool, PoolSize)>,
     aovs: Aovs,
     mean_light_vertices: f32,
     samples: u64,
+    /// What lanes counted that are no more.
+    carried: LaneTotals,
+    encoder: Option<display::Encoder>,
+    kept: Kept,
     /// Paths of the next batch, by how long the last ones took.
     batch: AtomicU32,
 }
@@ -97,34 +104,42 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         settings.validate()?;
         let packed = PackedScene::new(scene, camera, settings.rng.table())?;
-        let window = settings.window();
-        let n_pixels = window.width * window.height;
-        let n_light_paths = match settings.integrator.light_paths {
-            LightPaths::Pool(Some(n)) if settings.integrator.uses_pool() => n,
-            _ => n_pixels,
-        };
-        let mut base = base_params(&settings, camera, &packed, n_light_paths);
-        let shared_plan = plan_shared(&packed, &settings, n_pixels);
-        shared_plan.check(device.info())?;
+        let n_pixels = n_pixels(&settings);
+        let scene_plan = plan_scene(&packed);
+        plan_shared(&scene_plan, &settings, n_pixels).check(device.info())?;
         let names: Vec<&'static str> =
             LANE_KERNELS.into_iter().chain(POOL_KERNELS).chain(AOV_KERNELS).chain(["resolve"]).collect();
         let pipelines = Pipelines::load(&*device, &names)?;
-        let mut shared = upload(&*device, &packed, n_pixels)?;
-        let mut mean_light_vertices = 0.0;
-        if settings.integrator.joins().is_some() {
-            mean_light_vertices = measure_light_vertices(&*device, &pipelines, &shared, &base)?;
-            base.join_factor = join_factor(&settings, mean_light_vertices);
-        }
+        let mut shared = upload(&*device, &packed)?;
+        make_film(&*device, &mut shared, n_pixels)?;
+        let (packed, camera) = (packed.without_copied(), camera.clone());
+        let (light_vertices, stop) = (Vec::new(), Arc::default());
+        let kept = Kept { packed, scene_plan, pipelines, shared, n_pixels, camera, light_vertices, stop };
+        Self::build(device, kept, settings, tell)
+    }
+
+    /// The working buffers of valid `settings`, around a scene that is on the device.
+    fn build(
+        device: Arc<dyn Device>,
+        mut kept: Kept,
+        settings: RenderSettings,
+        tell: impl FnOnce(&MemoryPlan),
+    ) -> Result<Self, RenderError> {
+        let (base, mean_light_vertices) = kept.base_params(&*device, &settings)?;
+        let pipelines = &kept.pipelines;
+        let mut shared = kept.shared.clone();
         let n_lanes = device.lanes() as u32;
-        let sizes =
-            Sizes::fit(device.info(), &settings, mean_light_vertices, n_light_paths, n_lanes, &shared_plan)?;
+        let sizes = kept.sizes(&*device, &settings, mean_light_vertices)?;
         tell(&sizes.plan);
         let size = sizes.lane;
-        let pool = sizes.pool.map(|size| Pool::new(&*device, &pipelines, &mut shared, size)).transpose()?;
+        let pool = sizes
+            .pool
+            .map(|size| Ok::<_, RenderError>((Pool::new(&*device, pipelines, &mut shared, size)?, size)))
+            .transpose()?;
         let lanes = (0..n_lanes)
-            .map(|_| Lane::new(&*device, &pipelines, &shared, size, pool.is_none()))
+            .map(|_| Lane::new(&*device, pipelines, &shared, size, pool.is_none()))
             .collect::<Result<Vec<_>, _>>()?;
-        let aovs = Aovs::new(&*device, &pipelines, &shared, &settings.aovs, n_pixels)?;
+        let aovs = Aovs::new(&*device, pipelines, &shared, &settings.aovs, kept.n_pixels)?;
         let first_batch =
             if device.info().kind == DeviceKind::Cpu { size.n_paths } else { size.n_paths.min(FIRST_BATCH) };
         let resolve_params =
@@ -136,7 +151,7 @@ impl Renderer {
             device.create_buffer("counters", u64::from(k::N_COUNTERS) * 4, BufferUsage::Storage)?,
         );
         Ok(Self {
-            resolve: resolve_set.bind(&*device, &pipelines, "resolve")?,
+            resolve: resolve_set.bind(&*device, pipelines, "resolve")?,
             resolve_params,
             film: shared.get("film").clone(),
             image: shared.get("image").clone(),
@@ -149,6 +164,9 @@ impl Renderer {
             aovs,
             mean_light_vertices,
             samples: 0,
+            carried: LaneTotals::default(),
+            encoder: None,
+            kept,
             batch: AtomicU32::new(first_batch),
         })
     }
@@ -168,7 +186,8 @@ impl Renderer {
         self.samples
     }
 
-    /// Renders one pass: at least one sample of every pixel, at most `max_samples`. Returns how many.
+    /// Renders one pass: at least one sample of every pixel, at most `max_samples`. Returns how many:
+    /// 0 where the pass was stopped ([`Renderer::stop_when`]), and with it all samples are forgotten.
     ///
     /// # Errors
     /// If the device fails.
@@ -185,6 +204,10 @@ impl Renderer {
             self.for_each_batch(n_places, |device, lane, first, n| {
                 self.render_batch(device, lane, Params { first_path: first, n_paths: n, ..params })
             })?;
+        }
+        if self.kept.stop.swap(false, Ordering::Relaxed) {
+            self.restart()?;
+            return Ok(0);
         }
         self.aovs.measure(&*self.device, &params, n_samples)?;
         self.samples += u64::from(n_samples);
@@ -255,18 +278,27 @@ impl Renderer {
         self.restart()
     }
 
+    /// Starts to time each kernel, from zero; asking for times may slow the passes down.
+    pub fn time_kernels(&self) {
+        self.lanes.iter().for_each(Lane::time_kernels);
+    }
+
+    /// The time of each kernel since [`Renderer::time_kernels`], summed over lanes; empty where the
+    /// device cannot tell.
+    pub fn kernel_times(&self) -> KernelTimes {
+        let mut sum = KernelTimes::new();
+        for (kernel, time) in self.lanes.iter().flat_map(Lane::kernel_times) {
+            *sum.entry(kernel).or_default() += time;
+        }
+        sum
+    }
+
     /// What was done so far.
     ///
     /// # Errors
     /// If the device fails.
     pub fn stats(&self) -> Result<RenderStats, RenderError> {
-        let mut sum = self.aovs.totals(&*self.device)?;
-        for lane in &self.lanes {
-            let totals = lane.totals(&*self.device)?;
-            sum.rays += totals.rays;
-            sum.rejected += totals.rejected;
-            sum.overflowed += totals.overflowed;
-        }
+        let sum = self.totals()?;
         Ok(RenderStats {
             rays: sum.rays,
             rejected: sum.rejected,
@@ -274,6 +306,15 @@ impl Renderer {
             mean_light_vertices: self.mean_light_vertices,
             n_light_paths: self.base.n_light_paths,
         })
+    }
+
+    /// What all lanes have counted, those included that are no more.
+    fn totals(&self) -> Result<LaneTotals, RenderError> {
+        let mut sum = self.carried + self.aovs.totals(&*self.device)?;
+        for lane in &self.lanes {
+            sum = sum + lane.totals(&*self.device)?;
+        }
+        Ok(sum)
     }
 
     /// Samples of a pass: a pool is made for one sample of every pixel; else as many as fill the lanes.
@@ -339,7 +380,7 @@ impl Renderer {
             let region = reserved + index as u32 * size.append_capacity;
             let end = params.n_light_paths.min((index as u32 + 1) * lane_paths);
             let mut first = index as u32 * lane_paths;
-            while first < end {
+            while first < end && !self.kept.stop.load(Ordering::Relaxed) {
                 let n = self.batch.load(Ordering::Relaxed).min(end - first);
                 let at = used[index].load(Ordering::Relaxed);
                 let batch = Params {
@@ -366,7 +407,7 @@ impl Renderer {
             Ok(())
         })?;
         match &self.pool {
-            Some(pool) if keeps_all => pool.index(&*self.device, params),
+            Some((pool, _)) if keeps_all => pool.index(&*self.device, params),
             _ => Ok(()),
         }
     }
@@ -379,7 +420,7 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let next = AtomicU32::new(0);
         self.for_each_lane(|device, _, lane| {
-            loop {
+            while !self.kept.stop.load(Ordering::Relaxed) {
                 let n = self.batch.load(Ordering::Relaxed);
                 let claim = |first: u32| (first < n_places).then(|| first + n.min(n_places - first));
                 let Ok(first) = next.fetch_update(Ordering::Relaxed, Ordering::Relaxed, claim) else {
@@ -388,6 +429,7 @@ impl Renderer {
                 run(device, lane, first, n.min(n_places - first))?;
                 self.adapt_batch(n, lane);
             }
+            Ok(())
         })
     }
 
@@ -425,8 +467,75 @@ impl Renderer {
     }
 }
 
-/// Copies the scene to the device and makes the film.
-fn upload(device: &dyn Device, packed: &PackedScene, n_pixels: u32) -> Result<BufferSet, RenderError> {
+/// What a change of settings starts from: the scene on its device, its film, and what was measured.
+#[derive(Clone)]
+struct Kept {
+    /// Without what was copied to the device.
+    packed: PackedScene,
+    scene_plan: MemoryPlan,
+    pipelines: Pipelines,
+    /// The scene's buffers, the film and the image.
+    shared: BufferSet,
+    /// Pixels that these two have room for.
+    n_pixels: u32,
+    camera: Camera,
+    /// L by what it depends on, the bound of path lengths.
+    light_vertices: Vec<(Option<u32>, f32)>,
+    /// Set from outside: the pass under way is not worth its end.
+    stop: Arc<AtomicBool>,
+}
+
+impl Kept {
+    /// The constants of a whole render, and L, which is measured where it is needed first.
+    fn base_params(
+        &mut self,
+        device: &dyn Device,
+        settings: &RenderSettings,
+    ) -> Result<(Params, f32), RenderError> {
+        let mut base = base_params(settings, &self.camera, &self.packed, n_light_paths(settings));
+        if settings.integrator.joins().is_none() {
+            return Ok((base, 0.0));
+        }
+        let bound = settings.max_path_length;
+        let measured = self.light_vertices.iter().find(|(of, _)| *of == bound).map(|&(_, mean)| mean);
+        let mean = match measured {
+            Some(mean) => mean,
+            None => measure_light_vertices(device, &self.pipelines, &self.shared, &base)?,
+        };
+        if measured.is_none() {
+            self.light_vertices.push((bound, mean));
+        }
+        base.join_factor = join_factor(settings, mean);
+        Ok((base, mean))
+    }
+
+    fn sizes(
+        &self,
+        device: &dyn Device,
+        settings: &RenderSettings,
+        mean_light_vertices: f32,
+    ) -> Result<Sizes, RenderError> {
+        let shared = plan_shared(&self.scene_plan, settings, self.n_pixels);
+        let n_lanes = device.lanes() as u32;
+        Sizes::fit(device.info(), settings, mean_light_vertices, n_light_paths(settings), n_lanes, &shared)
+    }
+}
+
+fn n_pixels(settings: &RenderSettings) -> u32 {
+    let window = settings.window();
+    window.width * window.height
+}
+
+/// Light paths of a pass that joins draw from.
+fn n_light_paths(settings: &RenderSettings) -> u32 {
+    match settings.integrator.light_paths {
+        LightPaths::Pool(Some(n)) if settings.integrator.uses_pool() => n,
+        _ => n_pixels(settings),
+    }
+}
+
+/// Copies the scene to the device.
+fn upload(device: &dyn Device, packed: &PackedScene) -> Result<BufferSet, RenderError> {
     let mut set = BufferSet::default();
     let parts: [(&'static str, &[[u32; 4]]); 3] =
         [("nodes", &packed.nodes), ("triangles", &packed.triangles), ("scene", &packed.scene)];
@@ -440,10 +549,16 @@ fn upload(device: &dyn Device, packed: &PackedScene, n_pixels: u32) -> Result<Bu
     let texels = device.create_buffer("texels", packed.images.bytes(), BufferUsage::Texels)?;
     packed.images.upload(device, &texels)?;
     set.insert("texels", texels);
-    let film_bytes = u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4;
-    set.insert("film", device.create_buffer("film", film_bytes, BufferUsage::Storage)?);
-    set.insert("image", device.create_buffer("image", u64::from(n_pixels) * 16, BufferUsage::Storage)?);
     Ok(set)
+}
+
+/// Puts a film and an image of `n_pixels` in place of those in the set.
+fn make_film(device: &dyn Device, set: &mut BufferSet, n_pixels: u32) -> Result<(), RenderError> {
+    let film_bytes = u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4;
+    let film = device.create_buffer("film", film_bytes, BufferUsage::Storage)?;
+    set.insert("image", device.create_buffer("image", u64::from(n_pixels) * 16, BufferUsage::Storage)?);
+    set.insert("film", film);
+    Ok(())
 }
 
 /// L: the mean number of connectible vertices (s >= 2) of a light path, by a pilot of fixed seed.

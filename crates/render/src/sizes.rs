@@ -104,13 +104,19 @@ pub fn reserved_slots(settings: &RenderSettings, n_paths: u32) -> u32 {
     }
 }
 
-/// The memory that all lanes share, whatever their size.
-pub fn plan_shared(packed: &PackedScene, settings: &RenderSettings, n_pixels: u32) -> MemoryPlan {
+/// The memory of the scene.
+pub fn plan_scene(packed: &PackedScene) -> MemoryPlan {
     let mut plan = MemoryPlan::default();
     plan.fixed("nodes", size_of_val(&packed.nodes[..]) as u64);
     plan.fixed("triangles", size_of_val(&packed.triangles[..]) as u64);
     plan.fixed("scene", size_of_val(&packed.scene[..]) as u64);
     plan.texels("texels", packed.images.bytes());
+    plan
+}
+
+/// That of the scene and of all else that lanes share, whatever their size.
+pub fn plan_shared(scene: &MemoryPlan, settings: &RenderSettings, n_pixels: u32) -> MemoryPlan {
+    let mut plan = scene.clone();
     plan.fixed("film", u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4);
     plan.fixed("image", u64::from(n_pixels) * 16);
     aov::plan(settings, n_pixels, &mut plan);

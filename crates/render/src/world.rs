@@ -18,6 +18,12 @@ const MAX_AMPLIFICATION: f64 = 32.0;
 /// placed meshes, which share one copy of their geometry.
 pub struct World<'a> {
     scene: &'a Scene,
+    layout: Layout,
+}
+
+/// How a world numbers its triangles: all of it but the scene itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
     /// Baked ones first.
     parts: Vec<Part>,
     n_baked_parts: usize,
@@ -28,7 +34,7 @@ pub struct World<'a> {
 }
 
 /// An instance, and the id of its first triangle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
     /// Index into the scene's instances.
     pub instance: u32,
@@ -36,7 +42,20 @@ pub struct Part {
     pub first_id: u32,
 }
 
+impl std::ops::Deref for World<'_> {
+    type Target = Layout;
+
+    fn deref(&self) -> &Layout {
+        &self.layout
+    }
+}
+
 impl<'a> World<'a> {
+    /// The world of a scene whose layout is known.
+    pub fn of_layout(scene: &'a Scene, layout: Layout) -> Self {
+        Self { scene, layout }
+    }
+
     /// Decides what is baked: what is there once, what emits (lights are triangles in the world), and
     /// of the rest the smallest, and what f32 cannot place well, as far as a budget goes.
     ///
@@ -69,7 +88,7 @@ impl<'a> World<'a> {
             parts[n_baked_parts..].iter().map(|p| scene.instances[p.instance as usize].mesh).collect();
         meshes.sort_unstable();
         meshes.dedup();
-        Ok(Self { scene, parts, n_baked_parts, n_baked: n_baked as u32, meshes })
+        Ok(Self { scene, layout: Layout { parts, n_baked_parts, n_baked: n_baked as u32, meshes } })
     }
 
     /// The instances that are baked, in the order of their ids.
@@ -80,6 +99,11 @@ impl<'a> World<'a> {
     /// The others, in the order of their ids.
     pub fn placed(&self) -> &[Part] {
         &self.parts[self.n_baked_parts..]
+    }
+
+    /// How it numbers triangles.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// The scene.

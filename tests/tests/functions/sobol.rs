@@ -68,7 +68,7 @@ fn one_sample_of_many_paths_is_uniform() {
         for axis in 0..4 {
             let coarse = histogram(1000, points.iter().map(|p| p.at(axis)));
             ChiSquare::uniform(&coarse).assert_holds(&format!("sample {sample}, component {axis}"));
-            let fine = histogram(1000, points.iter().map(|p| (p.at(axis) * 4096.0).fract()));
+            let fine = histogram(1024, points.iter().map(|p| (p.at(axis) * 4096.0).fract()));
             ChiSquare::uniform(&fine).assert_holds(&format!("sample {sample}, component {axis}, fine"));
             let pair = histogram2(32, points.iter().map(|p| (p.at(axis), p.at((axis + 1) % 4))));
             ChiSquare::uniform(&pair).assert_holds(&format!("sample {sample}, components from {axis}"));

@@ -10,7 +10,10 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::status::Status;
 
-pub use bench::{Bench, BenchArgs, RaysArgs};
+pub use bench::{
+    Bench, BenchArgs, BenchDevice, EqualTimeArgs, HoldArgs, IntegratorBenchArgs, RaysArgs, SamplingArgs,
+    ScalingArgs, TablesArgs,
+};
 pub use render::RenderArgs;
 pub use values::{
     CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,

@@ -45,7 +45,12 @@ fn svg(cost: &str, curves: &[Curve]) -> String {
          font-family=\"sans-serif\" font-size=\"10\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
     for (i, curve) in curves.iter().enumerate() {
-        let _ = write!(text, "<g transform=\"translate({},0)\">{}</g>\n", PANEL[0] * i as f64, panel(cost, curve));
+        let _ = write!(
+            text,
+            "<g transform=\"translate({},0)\">{}</g>\n",
+            PANEL[0] * i as f64,
+            panel(cost, curve)
+        );
     }
     text + "</svg>\n"
 }
@@ -68,7 +73,11 @@ fn panel(cost: &str, curve: &Curve) -> String {
         curve.name
     );
     let line: Vec<String> = places.iter().map(|p| format!("{:.1},{:.1}", p[0], p[1])).collect();
-    let _ = write!(text, "<polyline points=\"{}\" fill=\"none\" stroke=\"#26547c\" stroke-width=\"1.5\"/>", line.join(" "));
+    let _ = write!(
+        text,
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"#26547c\" stroke-width=\"1.5\"/>",
+        line.join(" ")
+    );
     for (at, [n, value]) in places.iter().zip(&curve.points) {
         let _ = write!(
             text,

@@ -40,17 +40,25 @@ pub fn run(args: &HoldArgs) -> Outcome {
     let (least, most) = (ks.clone().min().unwrap_or(0), ks.max().unwrap_or(0));
     console::note(&format!(
         "{} frames in {:?}: median {:.2} ms, p99 {:.2} ms, longest {:.2} ms, target {} ms; K {least} to {most}",
-        frames.len(), args.time, at(0.5), at(0.99), at(1.0), args.ms
+        frames.len(),
+        args.time,
+        at(0.5),
+        at(0.99),
+        at(1.0),
+        args.ms
     ));
     let rows = frames
         .iter()
         .map(|f| json!({ "at": f.at, "ms": f.seconds * 1e3, "k": f.k, "samples": f.samples }))
-        .chain([json!({ "median_ms": at(0.5), "p99_ms": at(0.99), "longest_ms": at(1.0), "target_ms": args.ms })]);
+        .chain([
+            json!({ "median_ms": at(0.5), "p99_ms": at(0.99), "longest_ms": at(1.0), "target_ms": args.ms }),
+        ]);
     finish(args.json, &*device, rows.collect())
 }
 
 fn frames(bench: &Bench, args: &HoldArgs) -> Outcome<Vec<Frame>> {
-    let k_step = IntegratorSettings { integrator: Integrator::Bdpt, join: Join::KStep, k: 1, ..Default::default() };
+    let k_step =
+        IntegratorSettings { integrator: Integrator::Bdpt, join: Join::KStep, k: 1, ..Default::default() };
     let mut renderer = bench.renderer(bench.settings(k_step))?;
     let mut hold = Hold::new(HoldLimits {
         target: Duration::from_secs_f32(args.ms * 1e-3),
@@ -64,7 +72,9 @@ fn frames(bench: &Bench, args: &HoldArgs) -> Outcome<Vec<Frame>> {
         let at = start.elapsed().as_secs_f64();
         let (load, begin) = (hold.load(), Instant::now());
         renderer.set_k(load.k).map_err(failure)?;
-        renderer.set_camera(bench.scene(), &swayed(bench.scene(), bench.camera(), at as f32)).map_err(failure)?;
+        renderer
+            .set_camera(bench.scene(), &swayed(bench.scene(), bench.camera(), at as f32))
+            .map_err(failure)?;
         while renderer.samples() < u64::from(load.samples) {
             renderer.step(u64::from(load.samples) - renderer.samples()).map_err(failure)?;
         }

@@ -126,10 +126,8 @@ impl Bench {
     /// # Errors
     /// As the renderer says.
     pub fn choose(&self) -> Outcome<Choice> {
-        let settings = self.settings(IntegratorSettings::default());
-        let make =
-            |settings| Renderer::new(self.device.clone(), &self.scene, self.camera(), settings);
-        midway_render::choose(&settings, make).map_err(failure)
+        let renderer = self.renderer(self.settings(IntegratorSettings::default()))?;
+        midway_render::choose(&renderer).map_err(failure)
     }
 
     /// Renders two images.

@@ -3,9 +3,7 @@
 
 use std::time::Duration;
 
-use midway_render::{
-    Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, RenderSettings, Rng,
-};
+use midway_render::{Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, RenderSettings, Rng};
 use serde_json::{Value, json};
 
 use super::measured::{Bench, Until, failure, finish, open};
@@ -46,7 +44,8 @@ fn variants(bench: &Bench) -> Vec<(String, RenderSettings)> {
     let bounded = RenderSettings { max_path_length: Some(8), ..bench.settings(bdpt()) };
     variants.push(("full max-path-length=8".to_owned(), bounded));
     for k in [1, 3, 8] {
-        for (name, join_choice) in [("uniform", JoinChoice::Uniform), ("importance", JoinChoice::Importance)] {
+        for (name, join_choice) in [("uniform", JoinChoice::Uniform), ("importance", JoinChoice::Importance)]
+        {
             let k_step = IntegratorSettings { join: Join::KStep, k, join_choice, ..bdpt() };
             variants.push((format!("k-step k={k} {name}"), bench.settings(k_step)));
             let pool = IntegratorSettings { light_paths: LightPaths::Pool(None), ..k_step };
@@ -94,7 +93,9 @@ fn memory(bench: &Bench, rows: &mut Vec<Value>) -> Outcome {
             let bytes: u64 = renderer.plan().items().filter_map(vertices).sum();
             let mean = renderer.stats().map_err(failure)?.mean_light_vertices;
             let length = bound.map_or("unbounded".to_owned(), |n| n.to_string());
-            console::note(&format!("{name}, path length {length}: light vertices {bytes} bytes, {mean:.2} a path"));
+            console::note(&format!(
+                "{name}, path length {length}: light vertices {bytes} bytes, {mean:.2} a path"
+            ));
             rows.push(json!({
                 "scene": bench.name, "variant": name, "max_path_length": bound,
                 "light_vertex_bytes": bytes, "mean_light_vertices": mean,

@@ -1,15 +1,15 @@
 //! `midway bench scaling`: what a million samples cost as one thing grows: triangles, lights, pixels,
 //! the bound of path lengths, K.
 
-use std::{path::Path, sync::Arc};
+use std::sync::Arc;
 
-use glam::Vec3;
 use midway_device::Device;
 use midway_render::{
-    Integrator, IntegratorSettings, Join, LightPaths, RenderSettings, rays::generated_scene,
+    Integrator, IntegratorSettings, Join, LightPaths, RenderSettings,
+    rays::{add_point_lights, generated_scene},
 };
-use midway_scene::{Light, LightKind, Scene};
-use serde_json::{Value, json};
+use midway_scene::Scene;
+use serde_json::json;
 
 use super::{
     curves::{Curve, write_svg},
@@ -21,9 +21,6 @@ use crate::{args::ScalingArgs, console, status::Outcome};
 const TRIANGLES: u32 = 100_000;
 const LIGHTS: u32 = 1;
 const SIDE: u32 = 256;
-/// Seed of the lights' places, apart from the scene's.
-const LIGHT_SEED: u32 = 0x119;
-
 /// Measures each curve.
 ///
 /// # Errors
@@ -38,7 +35,10 @@ pub fn run(args: &ScalingArgs) -> Outcome {
         let mut curve = Curve { name, points: Vec::new() };
         for (n, point) in points {
             let cost = measure(&device, &point, args.spp)?;
-            console::note(&format!("{name} {n}: {:.4} s and {:.2} Mrays for a million samples", cost[0], cost[1]));
+            console::note(&format!(
+                "{name} {n}: {:.4} s and {:.2} Mrays for a million samples",
+                cost[0], cost[1]
+            ));
             rows.push(json!({
                 "curve": name, "n": n, "seconds_per_million_samples": cost[0],
                 "mrays_per_million_samples": cost[1], "relmse": cost[2],
@@ -51,7 +51,7 @@ pub fn run(args: &ScalingArgs) -> Outcome {
         curves.push(curve);
     }
     if let Some(path) = &args.svg {
-        write(path, &curves)?;
+        write_svg(path, "seconds for a million samples", &curves)?;
     }
     finish(args.json, &*device, rows)
 }
@@ -100,20 +100,9 @@ fn measure(device: &Arc<dyn Device>, point: &Point, spp: u64) -> Outcome<[f64; 3
     Ok([measured.seconds / millions, measured.rays * 1e-6 / millions, measured.error.relmse])
 }
 
-/// Balls among point lights, whose power adds up to the same whatever their number.
+/// Balls among point lights.
 fn lit_scene(triangles: u32, lights: u32) -> Scene {
     let mut scene = generated_scene(triangles);
-    let bounds = scene.bounds();
-    let size = bounds.diagonal();
-    let power = size.length_squared() / lights as f32;
-    scene.lights.extend((0..lights).map(|light| {
-        let [x, y, z, _] = midway_render::uniform4(light, LIGHT_SEED);
-        let position = bounds.centre() + size * (Vec3::new(x, y, z) - 0.5) * 1.2;
-        Light { name: String::new(), kind: LightKind::Point { position, intensity: Vec3::splat(power) } }
-    }));
+    add_point_lights(&mut scene, lights);
     scene
-}
-
-fn write(path: &Path, curves: &[Curve]) -> Outcome {
-    write_svg(path, "seconds for a million samples", curves)
 }

@@ -54,14 +54,18 @@ pub fn run(args: &TablesArgs) -> Outcome {
 fn tables(args: &TablesArgs) -> [Table; 5] {
     let own = |name: &str| Some(args.scenes.join(name));
     let joins = &["single-step", "k-step-3", "full", "path"];
-    let of = |name, scene, size, integrators, seconds| Table { name, scene, size, integrators, seconds, stops: 0.0 };
+    let of = |name, scene, size, integrators, seconds| Table {
+        name,
+        scene,
+        size,
+        integrators,
+        seconds,
+        stops: 0.0,
+    };
     [
         of("1-cornell", own("cornell-glass-mirror.gltf"), SQUARE, &["path", "full"], &[5, 10]),
         of("2-sponza", args.sponza.clone(), WIDE, joins, &[5]),
-        Table {
-            stops: CAUSTIC_STOPS,
-            ..of("3-caustic", own("glass-caustic.gltf"), SQUARE, joins, &[5, 10])
-        },
+        Table { stops: CAUSTIC_STOPS, ..of("3-caustic", own("glass-caustic.gltf"), SQUARE, joins, &[5, 10]) },
         of("4-sponza-sun", args.sponza_sun.clone(), WIDE, &["path", "full"], &[5, 10, 20]),
         of("6-exterior", own("exterior.gltf"), SQUARE, &["path", "full"], &[5]),
     ]

@@ -38,6 +38,18 @@ impl RenderJob {
         Ok(Self { renderer, stats: RenderStats::default() })
     }
 
+    /// Goes on by the integrator that `auto` chooses.
+    ///
+    /// # Errors
+    /// With the status of [`failure`].
+    pub fn choose(&mut self) -> Outcome<Choice> {
+        let choice = midway_render::choose(&self.renderer).map_err(failure)?;
+        let settings = self.renderer.settings().clone();
+        let chosen = RenderSettings { integrator: choice.integrator(), ..settings };
+        self.renderer.set_settings(chosen).map_err(failure)?;
+        Ok(choice)
+    }
+
     /// The integrator with its options, for people and headers.
     pub fn integrator(&self) -> String {
         self.renderer.settings().integrator.describe()
@@ -95,20 +107,6 @@ impl Job for RenderJob {
     fn image(&mut self) -> Outcome<Image> {
         self.renderer.image().map_err(failure)
     }
-}
-
-/// What `--integrator auto` renders with.
-///
-/// # Errors
-/// With the status of [`failure`].
-pub fn choose(
-    device: &Arc<dyn Device>,
-    scene: &Scene,
-    frame: &Frame,
-    settings: &RenderSettings,
-) -> Outcome<Choice> {
-    midway_render::choose(settings, |settings| Renderer::new(device.clone(), scene, &frame.camera, settings))
-        .map_err(failure)
 }
 
 /// The exit code of each way in which a render can fail.

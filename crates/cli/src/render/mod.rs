@@ -29,6 +29,8 @@ use self::{
     schedule::Limits, session::Session, watch::ErrorMeter,
 };
 
+pub use self::job::failure;
+
 /// Samples per pixel where nothing else says when to stop.
 const DEFAULT_SAMPLES: u64 = 64;
 
@@ -57,21 +59,21 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     let device = open_device(&args.device, &options).or_status(Status::Device)?;
     let new_meter = |reference: &Path| ErrorMeter::new(reference, args.errors.as_deref(), &frame);
     let meter = args.reference.as_deref().map(new_meter).transpose()?;
-    let mut settings = job::settings(args, &frame);
+    let settings = job::settings(args, &frame);
     let mut header = header::of_request(args, &scene, &frame, device.info());
     let info = device.info();
     reporter.note(&format!("device: {} ({})", info.name, info.backend));
-    if args.integrator == IntegratorArg::Auto {
-        let choice = job::choose(&device, &scene, &frame, &settings)?;
-        settings.integrator = choice.integrator();
-        reporter.note(&format!("auto: error for the same work: {}", choice.describe()));
-        header.set("auto", choice.describe());
-    }
     let tell = |plan: &MemoryPlan| match args.verbose {
         true => reporter.note(&format!("memory:\n{plan}")),
         false => reporter.note(&format!("memory: {}", Bytes(plan.total()))),
     };
-    let job = RenderJob::start(device.clone(), &scene, &frame, settings, tell)?;
+    let mut job = RenderJob::start(device.clone(), &scene, &frame, settings, tell)?;
+    if args.integrator == IntegratorArg::Auto {
+        let choice = job.choose()?.describe();
+        reporter.note(&format!("auto, error for the same work: {choice}"));
+        tell(job.memory());
+        header.set("auto", choice);
+    }
 
     let session = Session {
         limits: limits(args.spp, args.time),

@@ -88,6 +88,9 @@ struct Params {
     append_transient: u32,
     /// Samples of a pixel in the pass that measure_variance looks at.
     pass_samples: u32,
+    /// What encode_display multiplies radiance by, and then does: TONE_MAP_*.
+    exposure_scale: f32,
+    tone_map: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -8,6 +8,8 @@ mod normals;
 mod slots;
 mod textures;
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use midway_kernels::constants as k;
 use midway_scene::{Camera, Scene, Sphere};
@@ -20,7 +22,13 @@ use self::{
     slots::pack_slots,
     textures::{PackedImages, TextureTable, mean_color, srgb_table},
 };
-use crate::{RenderError, environment::EnvironmentMap, lights::Lights, medium::MediumFinder, world::World};
+use crate::{
+    RenderError,
+    environment::EnvironmentMap,
+    lights::Lights,
+    medium::{CameraMedia, MediumFinder},
+    world::World,
+};
 
 /// A vec4 as bits, so that no float move touches an integer.
 type Word4 = [u32; 4];
@@ -65,6 +73,8 @@ pub struct PackedScene {
     pub slots_at: u32,
     /// The medium that the camera is in, or the kernels' NONE.
     pub camera_medium: u32,
+    /// By which the medium of another camera is found, where there is any.
+    pub media: Option<Arc<CameraMedia>>,
 }
 
 impl PackedScene {
@@ -118,6 +128,7 @@ impl PackedScene {
         Ok(Self {
             triangles: pack_triangles(&two_level, &world, &positions),
             nodes: two_level.nodes(&first_ids),
+            media: CameraMedia::keep(&world, two_level, positions).map(Arc::new),
             scene: words,
             lights_at,
             environment_at,
@@ -135,6 +146,12 @@ impl PackedScene {
             slots_at,
             camera_medium,
         })
+    }
+
+    /// The same without what was copied to the device.
+    pub fn without_copied(self) -> Self {
+        let empty = Vec::new;
+        Self { nodes: empty(), triangles: empty(), scene: empty(), images: PackedImages::default(), ..self }
     }
 }
 

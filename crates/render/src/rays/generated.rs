@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 use midway_kernels::native;
-use midway_scene::{Camera, Instance, Material, Mesh, Scene, Surface};
+use midway_scene::{Camera, Instance, Light, LightKind, Material, Mesh, Scene, Surface};
 
 /// Rows of a ball; it has twice as many columns and two triangles a cell.
 const ROWS: u32 = 16;
@@ -28,6 +28,18 @@ pub fn generated_scene(n_triangles: u32) -> Scene {
     };
     scene.cameras.push(Camera::framing(&scene.bounds(), 1.0));
     scene
+}
+
+/// `n` point lights in and around the scene; the sum of their power does not depend on `n`.
+pub fn add_point_lights(scene: &mut Scene, n: u32) {
+    let bounds = scene.bounds();
+    let size = bounds.diagonal();
+    let intensity = Vec3::splat(size.length_squared() / n.max(1) as f32);
+    scene.lights.extend((0..n).map(|light| {
+        let [x, y, z, _] = native::random4(light, 0, 0, 2);
+        let position = bounds.centre() + 1.2 * size * (Vec3::new(x, y, z) - 0.5);
+        Light { name: String::new(), kind: LightKind::Point { position, intensity } }
+    }));
 }
 
 fn add_ball(mesh: &mut Mesh, centre: Vec3, radius: f32, seed: u32) {

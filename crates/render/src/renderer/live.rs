@@ -1,0 +1,132 @@
+//! Changes between passes that keep the scene on the device, compiled kernels and, where there is room
+//! in them, working buffers.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
+
+use midway_kernels::constants as k;
+use midway_scene::{Camera, Scene};
+
+use super::{Kept, Renderer, make_film, n_light_paths, n_pixels};
+use crate::{Join, RenderError, RenderSettings, pool::PoolSize, sizes::reserved_slots};
+
+impl Renderer {
+    /// Looks through another camera; the next pass is the first again. `scene` is the one that the
+    /// renderer was made with: it is asked for the medium that the camera is in.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn set_camera(&mut self, scene: &Scene, camera: &Camera) -> Result<(), RenderError> {
+        self.kept.camera = camera.clone();
+        let found = self.kept.packed.media.as_ref().and_then(|media| media.of_camera(scene, camera));
+        self.kept.packed.camera_medium = found.unwrap_or(k::NONE);
+        self.base = self.kept.base_params(&*self.device, &self.settings)?.0;
+        self.restart()
+    }
+
+    /// K of the next passes. The samples so far stay: each pass is unbiased with its own K, as weights
+    /// depend on it as a constant of the pass. Costs nothing up to the largest K there ever was.
+    ///
+    /// # Errors
+    /// [`RenderError::Settings`] where K is out of range, or the join has none; if the device fails.
+    pub fn set_k(&mut self, k: u32) -> Result<(), RenderError> {
+        let mut settings = self.settings.clone();
+        settings.integrator.k = k;
+        if settings.integrator.joins() != Some(Join::KStep) {
+            return Err(RenderError::Settings("only the join k-step has a K".to_owned()));
+        }
+        self.set_settings(settings)
+    }
+
+    /// Renders with other settings. The next pass is the first again, unless K is all that changed.
+    /// Resolution, crop, K and bounds are cheap as long as no more pixels or light vertices are
+    /// asked for than there was room for before; other integrators take working buffers anew.
+    /// After an error the renderer is as it was.
+    ///
+    /// # Errors
+    /// If the settings are invalid or ask for another table of random numbers, or the device fails or is too small.
+    pub fn set_settings(&mut self, settings: RenderSettings) -> Result<(), RenderError> {
+        settings.validate()?;
+        if settings.rng.table() != self.settings.rng.table() {
+            return Err(RenderError::Settings(
+                "a table of random numbers is fixed from the start".to_owned(),
+            ));
+        }
+        if settings == self.settings {
+            return Ok(());
+        }
+        let keeps_samples = differs_in_k_alone(&self.settings, &settings);
+        if n_pixels(&settings) > self.kept.n_pixels || settings.aovs != self.settings.aovs {
+            return self.rebuild(settings, false);
+        }
+        let (base, mean) = self.kept.base_params(&*self.device, &settings)?;
+        if !self.has_room(&settings, mean)? {
+            return self.rebuild(settings, keeps_samples);
+        }
+        (self.base, self.mean_light_vertices, self.settings) = (base, mean, settings);
+        if keeps_samples { Ok(()) } else { self.restart() }
+    }
+
+    /// Ends a pass early, between two of its batches, when `stop` is set; it is unset then.
+    pub fn stop_when(&mut self, stop: Arc<AtomicBool>) {
+        self.kept.stop = stop;
+    }
+
+    /// Another renderer of the same scene on the same device; they share the scene's memory.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_settings`].
+    pub fn beside(&self, settings: RenderSettings) -> Result<Self, RenderError> {
+        settings.validate()?;
+        let mut kept = self.kept.clone();
+        kept.n_pixels = n_pixels(&settings);
+        make_film(&*self.device, &mut kept.shared, kept.n_pixels)?;
+        Self::build(Arc::clone(&self.device), kept, settings, |_| {})
+    }
+
+    /// Whether the working buffers do for `settings`; then lanes are cut to them.
+    fn has_room(&mut self, settings: &RenderSettings, mean_light_vertices: f32) -> Result<bool, RenderError> {
+        let sizes = self.kept.sizes(&*self.device, settings, mean_light_vertices)?;
+        match (&self.pool, sizes.pool) {
+            (Some((_, have)), Some(_)) => {
+                let regions: u32 = self.lanes.iter().map(|lane| lane.size().append_capacity).sum();
+                let n_vertices = reserved_slots(settings, n_light_paths(settings)) + regions;
+                let need = PoolSize { n_paths: n_light_paths(settings), n_vertices };
+                let lane = self.lanes.first().map(|lane| lane.size());
+                Ok(need.n_paths <= have.n_paths
+                    && need.n_vertices <= have.n_vertices
+                    && lane.is_some_and(|lane| sizes.lane.append_capacity <= lane.append_capacity))
+            }
+            (None, None) => Ok(self.lanes.iter_mut().all(|lane| lane.resize(sizes.lane))),
+            _ => Ok(false),
+        }
+    }
+
+    /// Takes working buffers anew, around the same scene.
+    fn rebuild(&mut self, settings: RenderSettings, keeps_samples: bool) -> Result<(), RenderError> {
+        let mut kept: Kept = self.kept.clone();
+        let n_pixels = n_pixels(&settings);
+        if n_pixels > kept.n_pixels {
+            kept.n_pixels = n_pixels;
+            make_film(&*self.device, &mut kept.shared, n_pixels)?;
+        }
+        let mut next = Self::build(Arc::clone(&self.device), kept, settings, |_| {})?;
+        if keeps_samples {
+            std::mem::swap(&mut next.aovs, &mut self.aovs);
+            next.samples = self.samples;
+            let n_paths = next.lanes.first().map_or(1, |lane| lane.size().n_paths);
+            next.batch.store(self.batch.load(Ordering::Relaxed).min(n_paths), Ordering::Relaxed);
+        }
+        next.carried = self.totals()?;
+        *self = next;
+        if keeps_samples { Ok(()) } else { self.restart() }
+    }
+}
+
+fn differs_in_k_alone(before: &RenderSettings, after: &RenderSettings) -> bool {
+    let mut same = after.clone();
+    same.integrator.k = before.integrator.k;
+    same == *before && after.integrator.joins() == Some(Join::KStep)
+}

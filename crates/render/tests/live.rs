@@ -1,0 +1,192 @@
+//! Changes between passes give what a renderer made that way from the start gives, bit for bit.
+
+use std::{
+    path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+use glam::Vec3;
+use midway_device::{CpuDevice, Device};
+use midway_film::{Display, Image, ToneMap};
+use midway_render::{
+    Aov, Crop, Integrator, IntegratorSettings, Join, LightPaths, RenderError, RenderSettings, Renderer, Rng,
+};
+use midway_scene::{Camera, Scene};
+
+const SIZE: u32 = 24;
+
+fn device() -> Arc<dyn Device> {
+    Arc::new(CpuDevice::new(Some(2)).expect("starts"))
+}
+
+fn load(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name);
+    midway_import::load(&path).expect("the repository's scenes load").scene
+}
+
+fn by(integrator: IntegratorSettings) -> RenderSettings {
+    RenderSettings { width: SIZE, height: SIZE, seed: 7, integrator, ..RenderSettings::default() }
+}
+
+fn path() -> IntegratorSettings {
+    IntegratorSettings::default()
+}
+
+fn full() -> IntegratorSettings {
+    IntegratorSettings { integrator: Integrator::Bdpt, ..path() }
+}
+
+fn k_step(k: u32) -> IntegratorSettings {
+    IntegratorSettings { join: Join::KStep, k, ..full() }
+}
+
+fn pool(k: u32) -> IntegratorSettings {
+    IntegratorSettings { light_paths: LightPaths::Pool(None), ..k_step(k) }
+}
+
+fn renderer(scene: &Scene, camera: &Camera, settings: RenderSettings) -> Renderer {
+    Renderer::new(device(), scene, camera, settings).expect("fits")
+}
+
+fn run(renderer: &mut Renderer, samples: u64) -> Image {
+    while renderer.samples() < samples {
+        renderer.step(samples - renderer.samples()).expect("renders");
+    }
+    renderer.image().expect("reads")
+}
+
+fn fresh(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Image {
+    run(&mut renderer(scene, camera, settings.clone()), 2)
+}
+
+#[test]
+fn settings_changed_between_passes_are_those_of_a_new_renderer() {
+    let scene = load("cornell-box.gltf");
+    let camera = &scene.cameras[0];
+    let crop = Some(Crop { x: 3, y: 5, width: 11, height: 7 });
+    let steps = [
+        by(full()),
+        RenderSettings { width: 12, height: 16, ..by(full()) },
+        RenderSettings { crop, ..by(full()) },
+        by(k_step(2)),
+        RenderSettings { max_path_length: Some(3), ..by(k_step(2)) },
+        by(k_step(9)),
+        by(pool(3)),
+        RenderSettings { width: 12, height: 16, ..by(pool(5)) },
+        RenderSettings { width: 40, height: 30, ..by(path()) },
+        by(IntegratorSettings { join: Join::SingleStep, ..full() }),
+        RenderSettings { aovs: vec![Aov::Depth, Aov::Variance], ..by(path()) },
+    ];
+    let mut live = renderer(&scene, camera, by(path()));
+    for settings in steps {
+        run(&mut live, 3);
+        live.set_settings(settings.clone()).expect("changes");
+        // Another K alone keeps samples; every step here changes more.
+        assert_eq!(live.samples(), 0, "{settings:?}");
+        assert_eq!(run(&mut live, 2), fresh(&scene, camera, &settings), "{settings:?}");
+    }
+}
+
+#[test]
+fn another_camera_sees_what_a_new_renderer_sees_from_inside_glass_too() {
+    let scene = load("glass-caustic.gltf");
+    let mut live = renderer(&scene, &scene.cameras[0], by(full()));
+    let glass = scene.materials.iter().position(|m| m.surface.has_inside()).expect("has glass") as u32;
+    let mesh = scene.meshes.iter().position(|m| m.material == glass).expect("is used");
+    let instance = (0..).zip(&scene.instances).find(|(_, i)| i.mesh as usize == mesh).expect("placed").0;
+    let placed = scene.placed(instance);
+    let n = placed.n_triangles();
+    let vertices = (0..n).flat_map(|t| placed.positions(t));
+    let centre = vertices.fold(Vec3::ZERO, |sum, v| sum + v) / (3 * n) as f32;
+    let outside = scene.cameras[0].position();
+    for eye in [outside + Vec3::new(0.1, 0.05, -0.02), centre, outside] {
+        run(&mut live, 3);
+        let target = if eye == centre { centre + Vec3::new(0.3, -1.0, 0.2) } else { centre };
+        let camera = Camera::look_at(eye, target, Vec3::Y, 0.7).expect("looks");
+        live.set_camera(&scene, &camera).expect("changes");
+        assert_eq!(run(&mut live, 2), fresh(&scene, &camera, &by(full())), "{eye}");
+    }
+}
+
+#[test]
+fn k_changes_keep_the_samples_and_the_mean() {
+    let scene = load("cornell-box.gltf");
+    for join in [k_step, pool] {
+        let mut live = renderer(&scene, &scene.cameras[0], by(join(1)));
+        // Up beyond the room that there is, down, and up within it.
+        for (pass, k) in (1..).zip([1, 6, 2, 5]) {
+            live.set_k(k).expect("changes");
+            live.step(1).expect("renders");
+            assert_eq!(live.samples(), pass, "K {k}");
+        }
+        let mixed = run(&mut live, 400).mean()[1];
+        let constant = run(&mut renderer(&scene, &scene.cameras[0], by(join(5))), 400).mean()[1];
+        // 230,400 samples each, of spread about their mean: 0.3 %.
+        assert!((mixed / constant - 1.0).abs() <= 0.02, "{mixed} {constant}");
+    }
+}
+
+#[test]
+fn refused_changes_leave_the_renderer_as_it_was() {
+    let scene = load("cornell-box.gltf");
+    let mut live = renderer(&scene, &scene.cameras[0], by(path()));
+    run(&mut live, 2);
+    for settings in [
+        RenderSettings { width: 0, ..by(path()) },
+        RenderSettings { rng: Rng::Table(64), ..by(path()) },
+        by(k_step(0)),
+    ] {
+        assert!(matches!(live.set_settings(settings), Err(RenderError::Settings(_))));
+    }
+    assert!(live.set_k(2).is_err(), "path has no K");
+    assert_eq!(run(&mut live, 4), run(&mut renderer(&scene, &scene.cameras[0], by(path())), 4));
+}
+
+#[test]
+fn a_pass_that_is_stopped_leaves_nothing_behind() {
+    let scene = load("cornell-box.gltf");
+    for method in [path(), full(), pool(2)] {
+        let mut live = renderer(&scene, &scene.cameras[0], by(method));
+        let stop = Arc::new(AtomicBool::new(false));
+        live.stop_when(Arc::clone(&stop));
+        run(&mut live, 2);
+        stop.store(true, Ordering::Relaxed);
+        assert_eq!(live.step(1).expect("stops"), 0);
+        assert_eq!((live.samples(), stop.load(Ordering::Relaxed)), (0, false));
+        assert_eq!(run(&mut live, 2), fresh(&scene, &scene.cameras[0], &by(method)));
+    }
+}
+
+#[test]
+fn a_renderer_beside_another_is_independent_of_it() {
+    let scene = load("cornell-box.gltf");
+    let mut one = renderer(&scene, &scene.cameras[0], by(path()));
+    let small = RenderSettings { width: 9, height: 5, ..by(k_step(2)) };
+    let mut other = one.beside(small.clone()).expect("fits");
+    one.step(1).expect("renders");
+    assert_eq!(run(&mut other, 2), fresh(&scene, &scene.cameras[0], &small));
+    assert_eq!(run(&mut one, 3), run(&mut renderer(&scene, &scene.cameras[0], by(path())), 3));
+}
+
+#[test]
+fn what_the_device_shows_is_what_films_tone_maps_give() {
+    let scene = load("cornell-box.gltf");
+    let mut live = renderer(&scene, &scene.cameras[0], by(path()));
+    let image = run(&mut live, 4);
+    for tone_map in [ToneMap::Linear, ToneMap::Agx, ToneMap::Aces, ToneMap::PbrNeutral] {
+        for exposure in [-3.0, 0.0, 2.5] {
+            let display = Display { exposure, tone_map };
+            let shown = live.display(display).expect("shows");
+            assert_eq!(shown.len(), image.pixels.len() * 4);
+            for (bytes, pixel) in shown.chunks(4).zip(&image.pixels) {
+                let expected = display.encode_u8(*pixel);
+                // One step: the two round the same formulas in another order.
+                let close = bytes.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1);
+                assert!(close && bytes[3] == 255, "{display:?} {pixel:?}: {bytes:?} {expected:?}");
+            }
+        }
+    }
+}
