@@ -20,6 +20,8 @@ const PIXELS: f64 = 4096.0;
 const SAMPLES: u64 = 8;
 /// Their seeds.
 const SEEDS: [u32; 2] = [0x5eed_a070, 0x5eed_a071];
+/// Pixels along the side of a block in which light is missed or found.
+const BLOCK: usize = 8;
 /// Keeps relative errors finite where the image is dark, as in relMSE.
 const EPSILON: f64 = 0.01;
 /// A ray of `bdpt` takes longer than one of `path`, for what is computed at its ends: 1.02 times (A on
@@ -149,20 +151,29 @@ fn warm_up(mut renderer: Renderer) -> Result<WarmUp, RenderError> {
 }
 
 /// The error of each candidate. One that has not found some of the light in so few samples shows little
-/// spread: so it also counts how far `path` is from what `bdpt` sees, which has all of its strategies.
+/// spread: so it also counts how far those without splats are from those with, which have all strategies.
 fn judge(warm_ups: &[WarmUp]) -> Vec<Candidate> {
-    let is_bdpt = |w: &&WarmUp| w.integrator.integrator == Integrator::Bdpt;
-    let halves = [0, 1].map(|i| mean(warm_ups.iter().filter(is_bdpt).map(|w| &w.images[i])));
+    let is_complete = |w: &&WarmUp| w.integrator.uses_splat();
+    let halves = [0, 1].map(|i| mean(warm_ups.iter().filter(is_complete).map(|w| &w.images[i])));
     let reference = mean(halves.iter());
-    // A mean over two halves has half the error of one, which is half the squared difference.
-    let of_reference = 0.25 * relative_square(&halves[0], &halves[1], &reference);
     let judge = |w: &WarmUp| {
-        let spread = 0.5 * relative_square(&w.images[0], &w.images[1], &reference);
-        let off = relative_square(&mean(w.images.iter()), &reference, &reference) - of_reference;
-        let missed = if is_bdpt(&w) { 0.0 } else { 2.0 * off };
+        let spread = 0.5 * mean_and_trimmed(relative_squares(&w.images[0], &w.images[1], &reference)).1;
+        let missed =
+            if is_complete(&w) { 0.0 } else { missed_error(&mean(w.images.iter()), &halves, &reference) };
         Candidate { integrator: w.integrator, relmse: SAMPLES as f64 * spread.max(missed), rays: w.rays }
     };
     warm_ups.iter().map(judge).collect()
+}
+
+/// The error of one of two images whose mean is `image`, by blocks of pixels: noise is as much smaller
+/// in them as they have pixels, light that was found nowhere in them is not.
+fn missed_error(image: &Image, halves: &[Image; 2], reference: &Image) -> f64 {
+    let blocks = |image: &Image| image.block_means(BLOCK);
+    let (reference, [a, b]) = (blocks(reference), [&halves[0], &halves[1]].map(blocks));
+    let error = |a: &Image, b: &Image| mean_and_trimmed(relative_squares(a, b, &reference)).0;
+    // A mean over two halves has half the error of one, which is half the squared difference.
+    let of_reference = 0.25 * error(&a, &b);
+    2.0 * (BLOCK * BLOCK) as f64 * (error(&blocks(image), &reference) - of_reference)
 }
 
 /// The mean of images of one size, of which there is at least one.
@@ -179,9 +190,8 @@ fn mean<'a>(images: impl Iterator<Item = &'a Image> + Clone) -> Image {
     sum
 }
 
-/// The mean of (a - b)² / (reference² + 0.01) over pixels and channels, but for the worst 0.1 % of the
-/// pixels: a single firefly says nothing.
-fn relative_square(a: &Image, b: &Image, reference: &Image) -> f64 {
+/// (a - b)² / (reference² + 0.01) of each pixel, the mean of its channels.
+fn relative_squares(a: &Image, b: &Image, reference: &Image) -> Vec<f64> {
     let pixel = |((a, b), r): ((&[f32; 3], &[f32; 3]), &[f32; 3])| {
         let term = |i: usize| {
             let (difference, r) = (f64::from(a[i]) - f64::from(b[i]), f64::from(r[i]));
@@ -189,7 +199,7 @@ fn relative_square(a: &Image, b: &Image, reference: &Image) -> f64 {
         };
         (0..3).map(term).sum::<f64>() / 3.0
     };
-    mean_and_trimmed(a.pixels.iter().zip(&b.pixels).zip(&reference.pixels).map(pixel).collect()).1
+    a.pixels.iter().zip(&b.pixels).zip(&reference.pixels).map(pixel).collect()
 }
 
 #[cfg(test)]
@@ -227,6 +237,27 @@ mod tests {
             let expected = SAMPLES as f64 * 0.5 * difference * difference / 1.01;
             assert!((candidate.relmse - expected).abs() <= 1e-3 * expected, "{candidate:?}");
         }
+    }
+
+    /// Light that is missing in one block of sixteen weighs more than half of the spread.
+    #[test]
+    fn a_spot_that_was_not_found_is_an_error() {
+        let [path, full, ..] = candidates(&IntegratorSettings::default())[..] else { unreachable!() };
+        let image = |spot: f32, noise: f32| {
+            let at = |x, y| {
+                1.0 + if x < 8 && y < 8 { spot } else { 0.0 } + if (x + y) % 2 == 0 { noise } else { -noise }
+            };
+            Image::from_fn(32, 32, |x, y| [at(x, y); 3])
+        };
+        let with = |integrator, spot, noise, rays| WarmUp {
+            integrator,
+            images: [image(spot, noise), image(spot, -noise)],
+            rays,
+        };
+        let judged = judge(&[with(path, 0.0, 0.1, 3.0), with(full, 1.0, 0.15, 10.0)]);
+        assert_eq!(Choice::of(judged).integrator(), full);
+        let judged = judge(&[with(path, 1.0, 0.1, 3.0), with(full, 1.0, 0.15, 10.0)]);
+        assert_eq!(Choice::of(judged).integrator(), path);
     }
 
     /// A black image has no spread.
