@@ -45,9 +45,9 @@ fn svg(cost: &str, curves: &[Curve]) -> String {
          font-family=\"sans-serif\" font-size=\"10\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
     for (i, curve) in curves.iter().enumerate() {
-        let _ = write!(
+        let _ = writeln!(
             text,
-            "<g transform=\"translate({},0)\">{}</g>\n",
+            "<g transform=\"translate({},0)\">{}</g>",
             PANEL[0] * i as f64,
             panel(cost, curve)
         );
