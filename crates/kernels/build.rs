@@ -66,10 +66,10 @@ fn generate() -> Result<(), String> {
     write(&out.join("constants.rs"), &layout::constants(&tables.constants))
 }
 
-/// The kernels, and the probes that tests run on both devices.
+/// The kernels, the probes that tests run on both devices, and what measures alone run.
 fn kernel_files(root: &Path) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();
-    for folder in ["", "probes"] {
+    for folder in ["", "probes", "bench"] {
         let entries = fs::read_dir(root.join(folder)).map_err(|e| format!("wgsl/{folder}: {e}"))?;
         for entry in entries {
             let path = entry.map_err(|e| e.to_string())?.path();

@@ -70,7 +70,8 @@ pub fn render(device: &Arc<dyn Device>, scene: &Scene, settings: &RenderSettings
     batches(device, scene, settings, 1, samples).remove(0)
 }
 
-/// `n` independent images of `samples` a pixel each: consecutive samples of one sequence.
+/// `n` independent images of `samples` a pixel each, by seeds of their own: the samples of one seed
+/// are spread evenly, so that one part of them says something of the others.
 pub fn batches(
     device: &Arc<dyn Device>,
     scene: &Scene,
@@ -79,22 +80,17 @@ pub fn batches(
     samples: u64,
 ) -> Vec<Image> {
     let mut renderer = renderer(device, scene, settings);
-    let mut before: Option<Image> = None;
-    let mut next_batch = |batch: u64| {
-        render_until(&mut renderer, batch * samples);
-        let mean = checked_image(&renderer);
-        let image = last_batch(&mean, before.as_ref(), batch);
-        before = Some(mean);
-        image
+    let mut batch = |number: u32| {
+        renderer.restart_with_seed(batch_seed(settings.seed, number)).expect("restarts");
+        render_until(&mut renderer, samples);
+        checked_image(&renderer)
     };
-    (1..=n as u64).map(&mut next_batch).collect()
+    (0..n as u32).map(&mut batch).collect()
 }
 
-/// The last batch alone, from the mean of `n` batches and that of the `n - 1` before.
-fn last_batch(mean: &Image, before: Option<&Image>, n: u64) -> Image {
-    let Some(before) = before else { return mean.clone() };
-    let n = n as f64;
-    combine(mean, before, |mean, before| mean * n - before * (n - 1.0))
+/// Seeds of the batches of one seed; the first is the seed itself.
+fn batch_seed(seed: u32, batch: u32) -> u32 {
+    seed ^ batch.wrapping_mul(0x9e37_79b9)
 }
 
 /// An image of `value(a, b)` for each component of two images of one size.

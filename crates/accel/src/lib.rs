@@ -25,17 +25,20 @@ mod topology;
 mod traverse;
 mod two_level;
 mod validate;
+mod wide;
 
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
 
-use references::Normalisation;
+use references::{Normalisation, Reference};
+use topology::Tree;
 
 pub use midway_scene::Bounds;
 pub use pack::Child;
 pub use traverse::{Hit, closest_hit};
 pub use two_level::{MESH_OPTIONS, Placement, TwoLevel};
+pub use wide::{WIDE_STACK_SIZE, WideBvh, WideChild, WideNode, build_wide};
 
 /// Traversal stacks hold this many entries: [`Bvh::max_depth`] is below it.
 pub const STACK_SIZE: usize = 64;
@@ -191,6 +194,19 @@ pub fn build_with_instances(
     options: &BuildOptions,
 ) -> Result<Bvh, AccelError> {
     let start = Instant::now();
+    let (references, _, tree) = collect_and_build(triangles, instances, options)?;
+    let mut bvh = pack::pack(&tree, &references, triangles.len());
+    bvh.statistics.instances = instances.len();
+    bvh.statistics.build_time = start.elapsed();
+    Ok(bvh)
+}
+
+/// The boxes a hierarchy is over, and its topology.
+fn collect_and_build(
+    triangles: &[[Vec3; 3]],
+    instances: &[Bounds],
+    options: &BuildOptions,
+) -> Result<(Vec<Reference>, Normalisation, Tree), AccelError> {
     if let Some(triangle) = triangles.iter().position(|t| !t.iter().all(|v| v.is_finite())) {
         return Err(AccelError::NotFinite { triangle });
     }
@@ -200,8 +216,5 @@ pub fn build_with_instances(
         return Err(AccelError::TooManyTriangles { references: references.len() });
     }
     let tree = topology::build(&references, triangles.len(), &normalisation, options);
-    let mut bvh = pack::pack(&tree, &references, triangles.len());
-    bvh.statistics.instances = instances.len();
-    bvh.statistics.build_time = start.elapsed();
-    Ok(bvh)
+    Ok((references, normalisation, tree))
 }

@@ -1,10 +1,11 @@
 //! The program `midway`.
 //!
-//! What was typed is parsed in [`args`]; [`render`], [`view`], [`compare`], [`info`] and [`devices`] do the
-//! work; [`status`] lists every exit code. Results for other programs go to standard output,
+//! What was typed is parsed in [`args`]; [`render`], [`view`], [`compare`], [`info`], [`devices`] and
+//! [`bench`] do the work; [`status`] lists every exit code. Results for other programs go to standard output,
 //! everything for people to standard error.
 
 mod args;
+mod bench;
 mod compare;
 mod console;
 mod devices;
@@ -61,5 +62,6 @@ fn dispatch(command: Command) -> Outcome<Status> {
         Command::Compare(args) => compare::run(&args).map(|()| Status::Success),
         Command::Info(args) => info::run(&args).map(|()| Status::Success),
         Command::Devices(args) => devices::run(&args).map(|()| Status::Success),
+        Command::Bench(args) => bench::run(&args).map(|()| Status::Success),
     }
 }

@@ -17,6 +17,7 @@ mod error;
 mod error_log;
 mod exr_file;
 mod flip;
+mod half;
 mod heatmap;
 mod image;
 mod metadata;
@@ -30,6 +31,7 @@ pub use crate::{
     error_log::{ErrorLog, ErrorRow},
     exr_file::{Channel, ExrFile, Framing, write_exr, write_exr_with},
     flip::{DEFAULT_PIXELS_PER_DEGREE, flip},
+    half::{HalfError, half_error, mean_and_trimmed},
     heatmap::{heatmap, magma},
     image::Image,
     metadata::{Metadata, Value},

@@ -1,7 +1,11 @@
 //! One batch of paths on one lane: its working buffers, and its phases as lists of commands.
 
 use std::{
-    sync::atomic::{AtomicU64, Ordering},
+    collections::BTreeMap,
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
     time::Duration,
 };
 
@@ -11,6 +15,7 @@ use midway_kernels::{constants as k, layout::Params};
 use crate::{
     RenderError, RenderSettings,
     buffers::{BufferSet, Pipelines, dispatch, dispatch_indirect},
+    record::{BounceRays, Recorder},
 };
 
 /// Bytes of a vec4.
@@ -80,6 +85,20 @@ pub struct Lane {
     trace_shadow: BoundKernel,
     /// Nanoseconds.
     longest_run: AtomicU64,
+    /// Of each kernel so far, while that is asked for.
+    times: Mutex<Option<KernelTimes>>,
+    recorder: Recorder,
+    /// What was recorded, while that is asked for.
+    recorded: Mutex<Option<Recording>>,
+}
+
+/// The time on the device of each kernel, by its name.
+pub type KernelTimes = BTreeMap<&'static str, Duration>;
+
+/// Rays read back so far, of a batch of `n_paths`.
+struct Recording {
+    n_paths: u32,
+    bounces: Vec<BounceRays>,
 }
 
 /// What traces light subpaths.
@@ -152,9 +171,9 @@ impl Lane {
         let params = add("params", size_of::<Params>() as u64, BufferUsage::Uniform)?;
         let counters = add("counters", u64::from(k::N_COUNTERS) * 4, BufferUsage::Storage)?;
         let args = add("dispatch_args", u64::from(k::N_ARGS) * 4, BufferUsage::Indirect)?;
-        add("paths", size.path_bytes(), BufferUsage::Storage)?;
-        add("queues", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
-        add("shadow_rays", size.shadow_bytes(), BufferUsage::Storage)?;
+        let paths = add("paths", size.path_bytes(), BufferUsage::Storage)?;
+        let queues = add("queues", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
+        let shadow_rays = add("shadow_rays", size.shadow_bytes(), BufferUsage::Storage)?;
         if own_vertices {
             add("light_vertices", size.vertex_bytes(), BufferUsage::Storage)?;
             add("light_paths", u64::from(size.n_places) * 8, BufferUsage::Storage)?;
@@ -167,7 +186,11 @@ impl Lane {
         let camera = || -> Result<_, RenderError> {
             Ok(CameraKernels { generate: bind("generate_camera")?, shade: bind("shade_camera")? })
         };
+        let recorder = Recorder { paths, queues, shadow_rays, counters: counters.clone() };
         Ok(Self {
+            recorder,
+            recorded: Mutex::new(None),
+            times: Mutex::new(None),
             size,
             uses,
             params,
@@ -252,7 +275,7 @@ impl Lane {
             )?;
             let mut commands = vec![dispatch(connect_camera, end - first)];
             commands.extend(self.shadow_commands());
-            device.run(&commands, false)?;
+            self.run(device, &commands)?;
             first = end;
         }
         Ok(())
@@ -272,6 +295,23 @@ impl Lane {
         bounce.push(dispatch(&self.plan_queue, 1)); // plans shadow rays too
         bounce.push(dispatch_indirect(&self.trace_shadow, &self.args, k::ARGS_SHADOW));
         self.run_until_empty(device, start, &bounce)
+    }
+
+    /// Calls `work`, which traces batches of `n_paths` on this lane, and returns every ray that was
+    /// traced, bounce by bounce. One bounce at a time: slower, with the same results.
+    pub fn record(
+        &self,
+        n_paths: u32,
+        work: impl FnOnce() -> Result<(), RenderError>,
+    ) -> Result<Vec<BounceRays>, RenderError> {
+        *self.recording() = Some(Recording { n_paths, bounces: Vec::new() });
+        let outcome = work();
+        let recorded = self.recording().take();
+        outcome.map(|()| recorded.map(|r| r.bounces).unwrap_or_default())
+    }
+
+    fn recording(&self) -> MutexGuard<'_, Option<Recording>> {
+        self.recorded.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The counters that add up over the render: rays, rejected samples, overflows.
@@ -302,17 +342,46 @@ impl Lane {
         mut commands: Vec<Command>,
         bounce: &[Command],
     ) -> Result<(), RenderError> {
+        if let Some(recording) = &mut *self.recording() {
+            device.run(&commands, false)?;
+            while self.counter(device, k::COUNT_IN)? > 0 {
+                let closest = self.recorder.queued(device, recording.n_paths)?;
+                device.run(bounce, false)?;
+                recording.bounces.push(BounceRays { closest, shadow: self.recorder.shadow(device)? });
+            }
+            return Ok(());
+        }
         let chunk = bounces_per_run(device);
         let repeated: Vec<Command> = bounce.iter().cycle().take(bounce.len() * chunk).cloned().collect();
         commands.extend(repeated.iter().cloned());
         loop {
-            let timing = device.run(&commands, false)?;
-            self.longest_run.fetch_max(timing.wall.as_nanos() as u64, Ordering::Relaxed);
+            let wall = self.run(device, &commands)?;
+            self.longest_run.fetch_max(wall.as_nanos() as u64, Ordering::Relaxed);
             if self.counter(device, k::COUNT_IN)? == 0 {
                 return Ok(());
             }
             commands.clone_from(&repeated);
         }
+    }
+
+    /// Runs commands, timed kernel by kernel where that is asked for; how long all of them took.
+    fn run(&self, device: &dyn Device, commands: &[Command]) -> Result<Duration, RenderError> {
+        let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
+        let timing = device.run(commands, times.is_some())?;
+        if let Some(times) = &mut *times {
+            timing.dispatches.iter().for_each(|&(kernel, time)| *times.entry(kernel).or_default() += time);
+        }
+        Ok(timing.wall)
+    }
+
+    /// Starts to time each kernel, from zero.
+    pub fn time_kernels(&self) {
+        *self.times.lock().unwrap_or_else(PoisonError::into_inner) = Some(KernelTimes::new());
+    }
+
+    /// The times since that was asked for; none where it was not.
+    pub fn kernel_times(&self) -> KernelTimes {
+        self.times.lock().unwrap_or_else(PoisonError::into_inner).clone().unwrap_or_default()
     }
 
     fn counter(&self, device: &dyn Device, index: u32) -> Result<u32, RenderError> {

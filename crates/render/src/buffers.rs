@@ -30,7 +30,11 @@ impl Pipelines {
     }
 
     fn get(&self, device: &dyn Device, name: &str) -> Result<Pipeline, DeviceError> {
-        device.load_specialised(kernel(name), &[("FEATURES", f64::from(self.features))])
+        let kernel = kernel(name);
+        let features = [("FEATURES", f64::from(self.features))];
+        // Kernels that know nothing of scenes have no such override.
+        let overrides = if kernel.wgsl.contains("override FEATURES") { &features[..] } else { &[] };
+        device.load_specialised(kernel, overrides)
     }
 }
 

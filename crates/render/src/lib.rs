@@ -13,6 +13,7 @@
 //! ```
 
 mod aov;
+mod auto;
 mod batch;
 mod buffers;
 mod environment;
@@ -24,17 +25,22 @@ mod medium;
 mod pack;
 mod params;
 mod pool;
+pub mod rays;
+mod record;
 mod renderer;
 mod settings;
 mod sizes;
 mod world;
 
 pub use aov::Aov;
+pub use auto::{Candidate, Choice, choose};
+pub use batch::KernelTimes;
 pub use error::RenderError;
 pub use hold::{Hold, HoldLimits, Load};
 pub use pack::PackedScene;
+pub use record::BounceRays;
 pub use renderer::{RenderStats, Renderer};
 pub use settings::{
     Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy,
-    PixelFilter, RenderSettings,
+    PixelFilter, RenderSettings, Rng,
 };

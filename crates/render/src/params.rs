@@ -4,7 +4,7 @@ use glam::Vec3;
 use midway_kernels::{constants as k, layout};
 use midway_scene::{Camera, Projection};
 
-use crate::{FilterKind, Integrator, Join, JoinChoice, Mis, PackedScene, RenderSettings};
+use crate::{FilterKind, Integrator, Join, JoinChoice, Mis, PackedScene, RenderSettings, Rng};
 
 /// Survival at y_0 in single-step without next-event estimation, where y_0 may be an end.
 const EMITTER_SURVIVAL: f32 = 0.75;
@@ -31,8 +31,7 @@ pub fn base_params(
             FilterKind::BlackmanHarris => k::FILTER_BLACKMAN_HARRIS,
         },
         filter_width: settings.filter.width,
-        // Mixed, so that seeds that differ in one bit are as far apart as any.
-        seed: midway_kernels::native::lib::mix32(settings.seed),
+        seed: mixed_seed(settings.seed),
         flags: flags(settings),
         join: match integrator.joins() {
             None => k::JOIN_NONE,
@@ -67,6 +66,11 @@ pub fn base_params(
     }
 }
 
+/// The kernels' seed: mixed, so that seeds that differ in one bit are as far apart as any.
+pub fn mixed_seed(seed: u32) -> u32 {
+    midway_kernels::native::lib::mix32(seed)
+}
+
 /// The factor c of strategies with s >= 2 and t >= 2 (design: a constant of the pass). `mean_vertices`:
 /// L, the mean number of connectible vertices of a light path.
 pub fn join_factor(settings: &RenderSettings, mean_vertices: f32) -> f32 {
@@ -94,6 +98,7 @@ fn flags(settings: &RenderSettings) -> u32 {
         (integrator.mis == Mis::Power, k::FLAG_POWER_HEURISTIC),
         (one.is_some(), k::FLAG_ONE_STRATEGY),
         (one.is_some_and(|one| one.raw), k::FLAG_RAW),
+        (settings.rng == Rng::Sobol, k::FLAG_SOBOL),
     ]
     .into_iter()
     .filter_map(|(set, flag)| set.then_some(flag))

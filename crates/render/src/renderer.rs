@@ -17,11 +17,11 @@ use midway_kernels::{constants as k, layout::Params};
 use midway_scene::{Camera, Scene};
 
 use crate::{
-    Join, LightPaths, PackedScene, RenderError, RenderSettings,
+    BounceRays, Join, LightPaths, PackedScene, RenderError, RenderSettings,
     aov::Aovs,
-    batch::{Lane, LaneSize, LaneTotals, LaneUses},
+    batch::{KernelTimes, Lane, LaneSize, LaneTotals, LaneUses},
     buffers::{BufferSet, Pipelines, dispatch},
-    params::{base_params, join_factor},
+    params::{base_params, join_factor, mixed_seed},
     pool::{POOL_KERNELS, Pool, PoolSize},
     sizes::{Sizes, plan_scene, plan_shared, reserved_slots},
 };
@@ -112,7 +112,7 @@ impl Renderer {
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         settings.validate()?;
-        let packed = PackedScene::new(scene, camera, settings.rng_table)?;
+        let packed = PackedScene::new(scene, camera, settings.rng.table())?;
         let n_pixels = n_pixels(&settings);
         let scene_plan = plan_scene(&packed);
         plan_shared(&scene_plan, &settings, n_pixels).check(device.info())?;
@@ -254,6 +254,23 @@ impl Renderer {
         self.aovs.channels(&*self.device, self.samples, self.base.n_pixels)
     }
 
+    /// The rays of one batch from the image's first pixel on, read back bounce by bounce, for measuring
+    /// them alone; of light paths first where the integrator has them. All samples are forgotten.
+    ///
+    /// # Errors
+    /// If light paths come from a pool, or the device fails.
+    pub fn record_rays(&mut self) -> Result<Vec<BounceRays>, RenderError> {
+        if self.pool.is_some() {
+            return Err(RenderError::Settings("rays of a pool are not recorded".to_owned()));
+        }
+        let lane = &self.lanes[0];
+        let n_paths = lane.size().n_paths.min(self.base.n_pixels);
+        let params = Params { n_paths, n_places: n_paths, ..self.base };
+        let recorded = lane.record(n_paths, || self.render_batch(&*self.device, lane, params))?;
+        self.restart()?;
+        Ok(recorded)
+    }
+
     /// Forgets all samples; the next pass is the first again.
     ///
     /// # Errors
@@ -263,6 +280,31 @@ impl Renderer {
         self.aovs.restart(&*self.device)?;
         self.samples = 0;
         Ok(())
+    }
+
+    /// As [`Renderer::restart`], with another seed: samples that are independent of those before.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn restart_with_seed(&mut self, seed: u32) -> Result<(), RenderError> {
+        self.settings.seed = seed;
+        self.base.seed = mixed_seed(seed);
+        self.restart()
+    }
+
+    /// Starts to time each kernel, from zero; asking for times may slow the passes down.
+    pub fn time_kernels(&self) {
+        self.lanes.iter().for_each(Lane::time_kernels);
+    }
+
+    /// The time of each kernel since [`Renderer::time_kernels`], summed over lanes; empty where the
+    /// device cannot tell.
+    pub fn kernel_times(&self) -> KernelTimes {
+        let mut sum = KernelTimes::new();
+        for (kernel, time) in self.lanes.iter().flat_map(Lane::kernel_times) {
+            *sum.entry(kernel).or_default() += time;
+        }
+        sum
     }
 
     /// What was done so far.

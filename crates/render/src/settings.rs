@@ -75,6 +75,37 @@ pub enum Mis {
     Power,
 }
 
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rng {
+    /// Owen-scrambled Sobol points: the samples of a pixel are spread evenly over each draw.
+    #[default]
+    Sobol,
+    /// A hash: samples are independent.
+    Hash,
+    /// Bias: this many pre-generated numbers, > 0, used again and again.
+    Table(u32),
+}
+
+impl Rng {
+    /// As it is typed and written into an image's header.
+    pub fn describe(self) -> String {
+        match self {
+            Self::Sobol => "sobol".to_owned(),
+            Self::Hash => "hash".to_owned(),
+            Self::Table(n) => format!("table:{n}"),
+        }
+    }
+
+    /// Entries of its table, where it has one.
+    pub fn table(self) -> Option<u32> {
+        match self {
+            Self::Table(n) => Some(n),
+            Self::Sobol | Self::Hash => None,
+        }
+    }
+}
+
 /// An integrator with its options; those of `bdpt` are ignored by the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorSettings {
@@ -265,8 +296,8 @@ pub struct RenderSettings {
     pub integrator: IntegratorSettings,
     /// Bias: edges of a path at most.
     pub max_path_length: Option<u32>,
-    /// Bias: how many pre-generated random numbers to use in place of the hash.
-    pub rng_table: Option<u32>,
+    /// Where random numbers come from.
+    pub rng: Rng,
     /// Bias: the largest component of one contribution.
     pub clamp: Option<f32>,
     /// Only this strategy.
@@ -284,7 +315,7 @@ impl Default for RenderSettings {
             aovs: Vec::new(),
             integrator: IntegratorSettings::default(),
             max_path_length: None,
-            rng_table: None,
+            rng: Rng::default(),
             clamp: None,
             one_strategy: None,
         }
@@ -306,7 +337,7 @@ impl RenderSettings {
         if let Some(n) = self.max_path_length {
             bias.push(format!("max-path-length={n}"));
         }
-        if let Some(n) = self.rng_table {
+        if let Some(n) = self.rng.table() {
             bias.push(format!("rng=table:{n}"));
         }
         if let Some(x) = self.clamp {
@@ -350,7 +381,7 @@ impl RenderSettings {
         if self.integrator.light_paths == LightPaths::Pool(Some(0)) {
             return fail("a pool of 0 light paths; it needs at least 1".into());
         }
-        if self.rng_table == Some(0) {
+        if self.rng == Rng::Table(0) {
             return fail("a table of 0 random numbers; it needs at least 1".into());
         }
         if self.max_path_length == Some(0) {

@@ -12,7 +12,7 @@ use glam::Vec3;
 use midway_device::{CpuDevice, Device};
 use midway_film::{Display, Image, ToneMap};
 use midway_render::{
-    Aov, Crop, Integrator, IntegratorSettings, Join, LightPaths, RenderError, RenderSettings, Renderer,
+    Aov, Crop, Integrator, IntegratorSettings, Join, LightPaths, RenderError, RenderSettings, Renderer, Rng,
 };
 use midway_scene::{Camera, Scene};
 
@@ -136,7 +136,7 @@ fn refused_changes_leave_the_renderer_as_it_was() {
     run(&mut live, 2);
     for settings in [
         RenderSettings { width: 0, ..by(path()) },
-        RenderSettings { rng_table: Some(64), ..by(path()) },
+        RenderSettings { rng: Rng::Table(64), ..by(path()) },
         by(k_step(0)),
     ] {
         assert!(matches!(live.set_settings(settings), Err(RenderError::Settings(_))));

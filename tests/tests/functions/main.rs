@@ -17,6 +17,7 @@ mod models;
 mod pixel_filter;
 mod random_numbers;
 mod sampling;
+mod sobol;
 mod support;
 mod textures;
 mod twins;

@@ -100,7 +100,7 @@ fn dimensions() -> Vec<u32> {
     both.flat_map(|purpose| [0, 1, 2].map(|depth| lib::dimension(purpose, depth))).collect()
 }
 
-type Bits = fn(u32, u32, u32, u32) -> Vec4<u32>;
+pub type Bits = fn(u32, u32, u32, u32) -> Vec4<u32>;
 
 /// The first `CELL_BITS` bits of each component of a draw, for a block of counters.
 fn cells(bits: Bits, dimension: u32) -> [Vec<u8>; 4] {
@@ -113,7 +113,7 @@ const CELL_BITS: u32 = 3;
 
 /// The least p-value of a chi-square test of independence over all components of all pairs of
 /// dimensions, at counters `shift` apart, times the number of tests.
-fn least_p_of_all_pairs(bits: Bits, shift: usize) -> f64 {
+pub fn least_p_of_all_pairs(bits: Bits, shift: usize) -> f64 {
     let all: Vec<Vec<u8>> = dimensions().into_iter().flat_map(|dim| cells(bits, dim)).collect();
     let (mut least, mut n) = (f64::INFINITY, 0);
     for (i, a) in all.iter().enumerate() {

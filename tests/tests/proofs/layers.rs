@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use midway_device::Device;
 use midway_film::{Channel, Image};
-use midway_render::{Aov, FilterKind, PixelFilter, RenderSettings};
+use midway_render::{Aov, FilterKind, PixelFilter, RenderSettings, Rng};
 use midway_scene::{Projection, Scene};
 use midway_tests::{
     camera_scenes::{ball_by_parallel_rays, ball_out_of_focus, facing_squares_through_a_lens},
@@ -93,7 +93,8 @@ fn layers_are_the_same_beside_any_integrator() {
 }
 
 /// The mean over the pixels of what is reported is that of the spread over independent seeds: of
-/// 32 seeds and 256 pixels a spread is known to some 2 %. No contribution has a tail there.
+/// 32 seeds and 256 pixels a spread is known to some 2 %. No contribution has a tail there. By Sobol
+/// points passes make up for each other, and what is reported is an upper bound.
 #[test]
 fn variance_is_the_spread_over_seeds() {
     const SEEDS: u32 = 32;
@@ -103,9 +104,12 @@ fn variance_is_the_spread_over_seeds() {
     let mut report = Report::default();
     let mut pool = integrators::k_step(3, midway_render::JoinChoice::Uniform);
     pool.settings.light_paths = midway_render::LightPaths::Pool(None);
-    for case in [integrators::path(), integrators::light(), integrators::full(), pool] {
+    let cases = [integrators::path(), integrators::light(), integrators::full(), pool];
+    let independent = cases.iter().map(|case| (case, Rng::Hash));
+    for (case, rng) in independent.chain([(&cases[0], Rng::Sobol), (&cases[2], Rng::Sobol)]) {
+        let of = |seed| RenderSettings { rng, ..all_layers(case, seed) };
         let renders: Vec<(Image, Vec<Channel>)> =
-            (0..SEEDS).map(|seed| render(&cpu(), &scene, &all_layers(&case, seed), SAMPLES)).collect();
+            (0..SEEDS).map(|seed| render(&cpu(), &scene, &of(seed), SAMPLES)).collect();
         let reported = |(_, channels): &(Image, Vec<Channel>)| {
             ["R", "G", "B"].map(|c| plane(channels, &format!("variance.{c}")).to_vec()).concat()
         };
@@ -113,7 +117,8 @@ fn variance_is_the_spread_over_seeds() {
         let mean_reported = all.iter().map(|v| f64::from(*v)).sum::<f64>() / all.len() as f64;
         let spread = mean_spread(&renders.iter().map(|(image, _)| image).collect::<Vec<_>>());
         let ratio = mean_reported / spread;
-        report.note(&format!("{}: reported over seen {ratio:.3}", case.name()), (ratio - 1.0).abs() <= 0.08);
+        let holds = ratio >= 0.92 && (ratio <= 1.08 || rng == Rng::Sobol);
+        report.note(&format!("{}, {}: reported over seen {ratio:.3}", case.name(), rng.describe()), holds);
     }
     report.finish();
 }

@@ -1,5 +1,6 @@
 //! The command line as typed. Every flag is declared here, once.
 
+mod bench;
 mod render;
 mod values;
 mod view;
@@ -10,6 +11,10 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::status::Status;
 
+pub use bench::{
+    Bench, BenchArgs, BenchDevice, EqualTimeArgs, HoldArgs, IntegratorBenchArgs, RaysArgs, SamplingArgs,
+    ScalingArgs, TablesArgs,
+};
 pub use render::RenderArgs;
 pub use values::{
     CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
@@ -39,6 +44,8 @@ pub enum Command {
     Info(InfoArgs),
     /// List the devices of this machine.
     Devices(DevicesArgs),
+    /// Measure how fast parts of Midway are.
+    Bench(BenchArgs),
 }
 
 /// `midway compare`.
@@ -92,7 +99,9 @@ mod tests {
 
     #[test]
     fn every_flag_is_in_the_help_with_a_description() {
-        for command in Cli::command().get_subcommands() {
+        let cli = Cli::command();
+        let nested = cli.get_subcommands().flat_map(|command| command.get_subcommands());
+        for command in cli.get_subcommands().chain(nested) {
             let help = command.clone().render_help().to_string();
             for argument in command.get_arguments() {
                 let name = argument.get_long().map(|long| format!("--{long}"));

@@ -147,17 +147,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true", help_heading = "Integrator")]
     pub splat: Option<bool>,
 
+    /// Sobol points, evenly spread and scrambled; a hash, independent; or, biased, a table of N numbers
+    /// used again and again.
+    #[arg(long, value_name = "sobol|hash|table:N", default_value = "sobol", help_heading = "Integrator")]
+    pub rng: RngArg,
+
     /// Drop paths of more than N segments. Darkens.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Bias (all of it written to the header)")]
     pub max_path_length: Option<u32>,
-    /// A hash, or a table of N numbers used again and again. A table correlates.
-    #[arg(
-        long,
-        value_name = "hash|table:N",
-        default_value = "hash",
-        help_heading = "Bias (all of it written to the header)"
-    )]
-    pub rng: RngArg,
     /// Cut each contribution at this radiance. Darkens.
     #[arg(long, value_name = "RADIANCE", value_parser = positive_f32, help_heading = "Bias (all of it written to the header)")]
     pub clamp: Option<f32>,

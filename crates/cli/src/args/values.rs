@@ -8,6 +8,8 @@ use midway_render::Aov;
 /// `--integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum IntegratorArg {
+    /// Path or bdpt, and which, by a short warm-up.
+    Auto,
     /// Camera paths; light only where they hit it.
     PathNaive,
     /// Camera paths that sample a light at each vertex.
@@ -112,7 +114,9 @@ impl FromStr for LightPathsArg {
 /// `--rng`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RngArg {
-    /// Counter-based, unbiased.
+    /// Evenly spread, unbiased.
+    Sobol,
+    /// Independent, unbiased.
     Hash,
     /// This many numbers, made beforehand.
     Table(u32),
@@ -123,12 +127,13 @@ impl FromStr for RngArg {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once(':') {
+            None if text == "sobol" => Ok(Self::Sobol),
             None if text == "hash" => Ok(Self::Hash),
             Some(("table", size)) => match size.parse() {
                 Ok(size) if size > 0 => Ok(Self::Table(size)),
                 _ => Err(format!("'{size}' is not a number of entries above 0")),
             },
-            _ => Err("use hash or table:N".to_owned()),
+            _ => Err("use sobol, hash or table:N".to_owned()),
         }
     }
 }
@@ -305,6 +310,7 @@ mod tests {
         assert_eq!("pool:8".parse(), Ok(LightPathsArg::Pool(Some(8))));
         assert_eq!("pool".parse(), Ok(LightPathsArg::Pool(None)));
         assert_eq!("table:16".parse(), Ok(RngArg::Table(16)));
+        assert_eq!("sobol".parse(), Ok(RngArg::Sobol));
         for text in ["pool:0", "pool:", "pool:-1", "other", ""] {
             assert!(text.parse::<LightPathsArg>().is_err(), "{text}");
         }

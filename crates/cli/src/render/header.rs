@@ -48,6 +48,7 @@ pub fn of_state(request: &Metadata, job: &RenderJob, state: &State) -> Metadata 
     let mut header = request.clone();
     header.set("integrator", job.integrator());
     header.set("filter", job.filter());
+    header.set("rng", job.rng());
     header.set("bias", bias(&job.bias()));
     header.set("samples", i64::try_from(state.samples).unwrap_or(i64::MAX));
     header.set("seconds", state.seconds());

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use midway_device::{Device, MemoryPlan};
 use midway_film::{Channel, Image};
 use midway_render::{
-    Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, PixelFilter,
-    RenderError, RenderSettings, RenderStats, Renderer,
+    Choice, Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, PixelFilter,
+    RenderError, RenderSettings, RenderStats, Renderer, Rng,
 };
 use midway_scene::Scene;
 
@@ -38,6 +38,18 @@ impl RenderJob {
         Ok(Self { renderer, stats: RenderStats::default() })
     }
 
+    /// Goes on by the integrator that `auto` chooses.
+    ///
+    /// # Errors
+    /// With the status of [`failure`].
+    pub fn choose(&mut self) -> Outcome<Choice> {
+        let choice = midway_render::choose(&self.renderer).map_err(failure)?;
+        let settings = self.renderer.settings().clone();
+        let chosen = RenderSettings { integrator: choice.integrator(), ..settings };
+        self.renderer.set_settings(chosen).map_err(failure)?;
+        Ok(choice)
+    }
+
     /// The integrator with its options, for people and headers.
     pub fn integrator(&self) -> String {
         self.renderer.settings().integrator.describe()
@@ -46,6 +58,11 @@ impl RenderJob {
     /// Every bias that was asked for.
     pub fn bias(&self) -> Vec<String> {
         self.renderer.settings().bias()
+    }
+
+    /// Where its random numbers come from, for headers.
+    pub fn rng(&self) -> String {
+        self.renderer.settings().rng.describe()
     }
 
     /// The pixel filter, for headers.
@@ -98,7 +115,7 @@ impl Job for RenderJob {
 }
 
 /// The exit code of each way in which a render can fail.
-fn failure(error: RenderError) -> Failure {
+pub fn failure(error: RenderError) -> Failure {
     let status = match error {
         RenderError::Settings(_) | RenderError::PathTooLong { .. } => Status::Usage,
         RenderError::Scene(_) | RenderError::Accel(_) | RenderError::TooManyTexels => Status::Input,
@@ -118,9 +135,10 @@ pub fn settings(args: &RenderArgs, frame: &Frame) -> RenderSettings {
         aovs: args.aov.0.clone(),
         integrator: integrator(args),
         max_path_length: args.max_path_length,
-        rng_table: match args.rng {
-            RngArg::Hash => None,
-            RngArg::Table(entries) => Some(entries),
+        rng: match args.rng {
+            RngArg::Sobol => Rng::Sobol,
+            RngArg::Hash => Rng::Hash,
+            RngArg::Table(entries) => Rng::Table(entries),
         },
         clamp: args.clamp,
         ..RenderSettings::default()
@@ -141,7 +159,8 @@ fn integrator(args: &RenderArgs) -> IntegratorSettings {
     IntegratorSettings {
         integrator: match args.integrator {
             IntegratorArg::PathNaive => Integrator::PathNaive,
-            IntegratorArg::Path => Integrator::Path,
+            // Until the warm-up has chosen.
+            IntegratorArg::Auto | IntegratorArg::Path => Integrator::Path,
             IntegratorArg::Light => Integrator::Light,
             IntegratorArg::Bdpt => Integrator::Bdpt,
         },

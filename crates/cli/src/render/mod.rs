@@ -18,7 +18,7 @@ use midway_device::{Bytes, MemoryPlan, OpenOptions, open_device};
 use midway_film::{Display, ToneMap, check_writable};
 
 use crate::{
-    args::{RenderArgs, ToneMapArg},
+    args::{IntegratorArg, RenderArgs, ToneMapArg},
     info,
     interrupt::Interrupt,
     scene_file::{self, LoadedScene},
@@ -29,6 +29,8 @@ use self::{
     frame::Frame, job::RenderJob, live::Live, outputs::Outputs, progress::Reporter, schedule::Limits,
     session::Session, watch::ErrorMeter,
 };
+
+pub use self::job::failure;
 
 /// Samples per pixel where nothing else says when to stop.
 const DEFAULT_SAMPLES: u64 = 64;
@@ -59,14 +61,20 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     let new_meter = |reference: &Path| ErrorMeter::new(reference, args.errors.as_deref(), &frame);
     let meter = args.reference.as_deref().map(new_meter).transpose()?;
     let settings = job::settings(args, &frame);
-    let header = header::of_request(args, &scene, &frame, device.info());
+    let mut header = header::of_request(args, &scene, &frame, device.info());
     let info = device.info();
     reporter.note(&format!("device: {} ({})", info.name, info.backend));
     let tell = |plan: &MemoryPlan| match args.verbose {
         true => reporter.note(&format!("memory:\n{plan}")),
         false => reporter.note(&format!("memory: {}", Bytes(plan.total()))),
     };
-    let job = RenderJob::start(device.clone(), &scene, &frame, settings, tell)?;
+    let mut job = RenderJob::start(device.clone(), &scene, &frame, settings, tell)?;
+    if args.integrator == IntegratorArg::Auto {
+        let choice = job.choose()?.describe();
+        reporter.note(&format!("auto, error for the same work: {choice}"));
+        tell(job.memory());
+        header.set("auto", choice);
+    }
 
     let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
     let tev = args.display.as_ref().map(|address| live::Tev::connect(address, &name, &frame)).transpose()?;

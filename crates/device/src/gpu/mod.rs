@@ -37,6 +37,9 @@ const SUBMIT_COMMANDS: usize = 1024;
 /// Live bindings a DX12 device makes room for, at a cost in memory for each.
 const MAX_LIVE_BINDINGS: u32 = 16 << 10;
 
+/// The address of a kernel's record, and its overrides with their values' bits.
+type LoadedKey = (usize, Vec<(&'static str, u64)>);
+
 /// A GPU that is open.
 pub struct GpuDevice {
     id: DeviceId,
@@ -48,7 +51,7 @@ pub struct GpuDevice {
     staging: Mutex<Staging>,
     /// Pipelines by the address of their kernel's record and by their overrides, so that each is
     /// compiled once.
-    loaded: Mutex<HashMap<(usize, Vec<(&'static str, u64)>), Pipeline>>,
+    loaded: Mutex<HashMap<LoadedKey, Pipeline>>,
     /// Made by the first timed run; held while one is under way.
     clock: OnceLock<Mutex<Clock>>,
 }

@@ -13,9 +13,10 @@ use std::{fs, io, path::Path};
 use glam::{DVec3, dvec3};
 
 use document::Document;
-use materials::{diffuse, emitter, glass};
-use shape::{Front, Quad, horizontal, quads, sphere};
+use materials::{diffuse, emitter, glass, mirror};
+use shape::{Front, Quad, Shape, horizontal, quads, sphere};
 
+const CORNELL_RIGHTS: &str = "CC0 1.0; measurements by Cornell University Program of Computer Graphics";
 const WHITE: [f64; 3] = [0.73, 0.73, 0.73];
 const RED: [f64; 3] = [0.63, 0.065, 0.05];
 const GREEN: [f64; 3] = [0.14, 0.45, 0.091];
@@ -44,8 +45,34 @@ fn main() -> io::Result<()> {
     lamp.add("light", quads(&[bulb], Front::Along(DVec3::Y)), emitter([255.0, 180.0, 60.0]));
     lamp.save(folder, "lamp")?;
 
+    let mut glass_and_mirror = cornell_box();
+    let [_, tall] = blocks();
+    glass_and_mirror.add("mirror block", tall, mirror());
+    glass_and_mirror.add("glass sphere", sphere(dvec3(170.0, 90.0, 180.0), 90.0), glass());
+    glass_and_mirror.add(
+        "light",
+        quads(&[ceiling_light], Front::Along(DVec3::NEG_Y)),
+        emitter([17.0, 12.0, 4.0]),
+    );
+    glass_and_mirror.save(folder, "cornell-glass-mirror")?;
+
+    exterior().save(folder, "exterior")?;
+
     sheets::materials().save(folder, "material-sheet")?;
     sheets::lights().save(folder, "light-sheet")
+}
+
+/// The blocks on open ground under a light as wide as the sky: nearly all light comes straight from it.
+fn exterior() -> Document {
+    let mut document = Document::new(CORNELL_RIGHTS);
+    let ground = horizontal(278.0, 279.5, 3000.0, 3000.0, 0.0);
+    document.add("ground", quads(&[ground], Front::Along(DVec3::Y)), diffuse([0.4, 0.36, 0.3], true));
+    add_blocks(&mut document);
+    let sky = horizontal(278.0, 279.5, 4000.0, 4000.0, 3000.0);
+    document.add("light", quads(&[sky], Front::Along(DVec3::NEG_Y)), emitter([1.1, 1.2, 1.4]));
+    let (eye, target) = (dvec3(278.0, 400.0, -800.0), dvec3(278.0, 120.0, 250.0));
+    document.look(eye, target, 39.3077_f64.to_radians(), 1.0);
+    document
 }
 
 /// The empty box with its camera.
@@ -82,8 +109,7 @@ fn cornell_box() -> Document {
             RED,
         ),
     ];
-    let mut document =
-        Document::new("CC0 1.0; measurements by Cornell University Program of Computer Graphics");
+    let mut document = Document::new(CORNELL_RIGHTS);
     for (name, corners, front, colour) in walls {
         let quad = corners.map(|(x, y, z)| dvec3(x, y, z));
         document.add(name, quads(&[quad], Front::Along(front)), diffuse(colour, true));
@@ -93,11 +119,17 @@ fn cornell_box() -> Document {
 }
 
 fn add_blocks(document: &mut Document) {
+    let [short, tall] = blocks();
+    document.add("short block", short, diffuse(WHITE, true));
+    document.add("tall block", tall, diffuse(WHITE, true));
+}
+
+/// The short block and the tall one.
+fn blocks() -> [Shape; 2] {
     let short = block([(130.0, 65.0), (82.0, 225.0), (240.0, 272.0), (290.0, 114.0)], 165.0);
     let tall = block([(423.0, 247.0), (265.0, 296.0), (314.0, 456.0), (472.0, 406.0)], 330.0);
     let outward = |x, y, z| Front::From(dvec3(x, y, z));
-    document.add("short block", quads(&short, outward(185.0, 82.0, 169.0)), diffuse(WHITE, true));
-    document.add("tall block", quads(&tall, outward(368.0, 165.0, 351.0)), diffuse(WHITE, true));
+    [quads(&short, outward(185.0, 82.0, 169.0)), quads(&tall, outward(368.0, 165.0, 351.0))]
 }
 
 /// A block's top and sides, from its measured top corners (x, z).

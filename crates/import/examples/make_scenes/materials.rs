@@ -43,3 +43,12 @@ pub fn model([r, g, b]: [f64; 3], metallic: f64, roughness: f64, extensions: Val
         "extensions": extensions,
     })
 }
+
+/// A metal that reflects 95 %, smooth.
+pub fn mirror() -> Value {
+    json!({
+        "pbrMetallicRoughness":
+            {"baseColorFactor": [0.95, 0.95, 0.95, 1.0], "metallicFactor": 1.0, "roughnessFactor": 0.0},
+        "extensions": {},
+    })
+}

@@ -22,6 +22,8 @@ const FLAG_POWER_HEURISTIC: u32 = 64u;
 const FLAG_ONE_STRATEGY: u32 = 128u;
 /// With weight 1 in place of its MIS weight.
 const FLAG_RAW: u32 = 256u;
+/// Random numbers are Sobol points.
+const FLAG_SOBOL: u32 = 512u;
 
 struct Params {
     camera: Camera,

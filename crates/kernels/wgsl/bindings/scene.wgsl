@@ -10,11 +10,15 @@ fn frame_of(surface: Surface) -> Frame {
     return Frame(surface.ng, surface.ns, surface.tangent, surface.bitangent_sign);
 }
 
-/// 32 random bits four times for a draw of a path: by hash, or from the table, whose numbers have 24.
+/// 32 random bits four times for a draw of a path: by Sobol, by hash, or from the table, whose numbers
+/// have 24.
 fn random_bits(path: u32, sample: u32, dim: u32) -> vec4<u32> {
     if (may_have(FEATURE_RANDOM_TABLE) && params.n_random != 0u) {
         let entry = scene[params.random_at + table_index(path, sample, dim, params.seed, params.n_random)];
         return vec4<u32>(entry * 16777216.0) << vec4<u32>(8u);
+    }
+    if (has_flag(FLAG_SOBOL)) {
+        return sobol_bits(path, sample, dim, params.seed);
     }
     return draw_bits(path, sample, dim, params.seed);
 }

@@ -2,6 +2,7 @@
 #include "lib/features.wgsl"
 #include "lib/math.wgsl"
 #include "lib/rng.wgsl"
+#include "lib/sobol.wgsl"
 #include "lib/sampling.wgsl"
 #include "lib/camera.wgsl"
 #include "lib/pixel_filter.wgsl"
