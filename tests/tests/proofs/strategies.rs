@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use midway_film::Image;
-use midway_render::{OneStrategy, RenderSettings};
+use midway_render::{OneStrategy, RenderSettings, Rng};
 use midway_tests::{
     estimate::{Agreement, Blocks, Expected, batches, combine, cpu},
     integrators,
@@ -40,7 +40,10 @@ fn each_strategy_alone_has_the_radiance_of_its_path_length() {
     for (s, t) in (3..=longest).flat_map(|n| (0..n).map(move |s| (s, n - s))) {
         // Splats are few: many more of them, by the integrator that makes nothing else.
         let (case, samples) = if t == 1 { (integrators::light(), 64) } else { (integrators::full(), 10) };
-        let settings = with_strategy(&settings(scenes::SIZE, case.settings, 1), s, t, true);
+        // By independent numbers: unweighted strategies have a tail at the edges of facets, and Sobol
+        // points, which even out all the rest, leave batches' means skewed.
+        let independent = RenderSettings { rng: Rng::Hash, ..settings(scenes::SIZE, case.settings, 1) };
+        let settings = with_strategy(&independent, s, t, true);
         let images = batches(&cpu(), &known.scene, &settings, BATCHES, samples);
         let radiance = (emission * albedo.powf((s + t - 2) as f32)).to_array();
         let mean = Image::filled(scenes::SIZE, scenes::SIZE, radiance);

@@ -113,9 +113,9 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "pool-never-regenerated",
-        file: "bindings/light_store.wgsl",
-        find: "params.first_sample + select(place / params.n_pixels, 0u, has_flag(FLAG_POOL))",
-        replace: "select(params.first_sample + place / params.n_pixels, 0u, has_flag(FLAG_POOL))",
+        file: "bindings/start_light.wgsl",
+        find: "params.first_sample + select(in_pass / params.n_pixels, 0u, pool)",
+        replace: "select(params.first_sample + in_pass / params.n_pixels, 0u, pool)",
         caught_by: SMALL_POOL,
     },
     Mutant {
@@ -218,9 +218,9 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "random-numbers-by-the-pixel-of-the-crop",
-        file: "generate_camera.wgsl",
+        file: "bindings/start_camera.wgsl",
         find: "let ray = camera_sample(pixel, sample);",
-        replace: "let ray = camera_sample(place % params.n_pixels, sample);",
+        replace: "let ray = camera_sample(in_pass % params.n_pixels, sample);",
         caught_by: CROPS,
     },
     Mutant {

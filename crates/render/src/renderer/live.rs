@@ -98,7 +98,8 @@ impl Renderer {
                 let n_vertices = reserved_slots(settings, n_light_paths(settings)) + regions;
                 let need = PoolSize { n_paths: n_light_paths(settings), n_vertices };
                 let lane = self.lanes.first().map(|lane| lane.size());
-                Ok(need.n_paths <= have.n_paths
+                Ok(lane.is_some_and(|lane| sizes.lane.n_shadow_rays <= lane.n_shadow_rays)
+                    && need.n_paths <= have.n_paths
                     && need.n_vertices <= have.n_vertices
                     && lane.is_some_and(|lane| sizes.lane.append_capacity <= lane.append_capacity))
             }
