@@ -82,17 +82,18 @@ const seen = () => page.evaluate(() => {
   return { mean: sum / n, spread: Math.sqrt(Math.max(0, squares / n - (sum / n) ** 2)), n };
 });
 
-/** How far two neighbouring pixels are apart: falls as noise does. */
-const roughness = () => page.evaluate(() => {
+/** The picture's red, as it is on the canvas. */
+const picture = () => page.evaluate(() => {
   const canvas = document.getElementById("picture");
   const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  let [sum, n] = [0, 0];
-  for (let y = 0; y < height; y += 2) for (let x = 8; x < width; x += 2) {
-    const [a, b] = [4 * (y * width + x), 4 * (y * width + x - 8)];
-    if (data[a + 3] && data[b + 3]) { sum += Math.abs(data[a] - data[b]); n += 1; }
-  }
-  return sum / n;
+  return { width, height, red: Array.from(data.filter((_, i) => i % 4 === 0)) };
 });
+
+/** How far two pictures are apart, a pixel. */
+const distance = (a, b) => {
+  assert.deepEqual([a.width, a.height], [b.width, b.height]);
+  return a.red.reduce((sum, value, i) => sum + Math.abs(value - b.red[i]), 0) / a.red.length;
+};
 
 try {
   await step("the page shows a picture that is not black", async () => {
@@ -109,9 +110,12 @@ try {
     const long = await samples();
     await page.click("#restart");
     await wait((n) => Number(document.getElementById("f-samples").textContent.replace(/,/g, "")) < n, long);
-    const [early, before] = [await samples(), await roughness()];
-    await wait(more, 8 * Math.max(early, 4));
-    const after = await roughness();
+    const [early, first] = [Math.max(await samples(), 4), await picture()];
+    await wait(more, 4 * early);
+    const later = await picture();
+    await wait(more, 8 * early);
+    const last = await picture();
+    const [before, after] = [distance(first, last), distance(later, last)];
     assert.ok(after < 0.8 * before, `${before} to ${after}`);
     await shot("converged");
   });
