@@ -27,6 +27,12 @@ impl Entry {
         f32::from_bits((self.0 >> 32) as u32)
     }
 
+    /// Distances are not negative: their bits are in their order.
+    #[inline(always)]
+    pub fn is_nearer(self, other: Self) -> bool {
+        self.0 < other.0
+    }
+
     #[inline(always)]
     pub fn node(self) -> u32 {
         self.0 as u32

@@ -5,10 +5,12 @@
 
 mod boxes;
 
+use std::{mem::MaybeUninit, ops::Range};
+
 use wgsl_cpu::runtime::{Storage, Vec3, Vec4};
 
 use crate::{
-    constants::{FAR_FACTOR, SLOT_CUTOUT, SLOT_INSTANCE, STACK_SIZE, TRIANGLE_STRIDE},
+    constants::{FAR_FACTOR, NODE_STRIDE, SLOT_CUTOUT, SLOT_INSTANCE, STACK_SIZE, TRIANGLE_STRIDE},
     native::lib,
 };
 use boxes::{Boxes, Entry, Planes};
@@ -17,6 +19,7 @@ use boxes::{Boxes, Entry, Planes};
 const MOST_WAITING: usize = 7 * STACK_SIZE as usize + 1;
 /// Bytes of a vec4.
 const VEC4: usize = 16;
+const NODE_BYTES: usize = NODE_STRIDE as usize * VEC4;
 
 /// Expands to the body of the kernels' `closest_hit`, in a module that has `passes` and `Hit`.
 macro_rules! closest_hit {
@@ -150,12 +153,13 @@ impl Search<'_> {
         found: &mut Found,
         passes: &impl Fn(u32, f32, f32) -> bool,
     ) -> bool {
-        let mut stack = [const { Entry::new(0.0, 0) }; MOST_WAITING];
-        stack[0] = Entry::new(0.0, root);
+        let mut stack = [const { MaybeUninit::<Entry>::uninit() }; MOST_WAITING];
+        stack[0].write(Entry::new(0.0, root));
         let mut top = 1;
         while top > 0 {
             top -= 1;
-            let entry = stack[top];
+            // SAFETY: below `top` all are written.
+            let entry = unsafe { stack[top].assume_init() };
             if entry.distance() > found.t {
                 continue;
             }
@@ -163,33 +167,28 @@ impl Search<'_> {
             let node = unsafe { Node::load(self.nodes, entry.node()) };
             let mut met = [0.0; 8];
             // SAFETY: the instructions of `B` are there.
-            let mut mask = unsafe { B::meet(&node.planes(&ray), FAR_FACTOR, found.t, &mut met) };
+            let mask = unsafe { B::meet(&node.planes(&ray), FAR_FACTOR, found.t, &mut met) };
             let first = top;
-            while mask != 0 {
-                let slot = mask.trailing_zeros();
-                mask &= mask - 1;
-                let meta = node.meta >> (8 * slot) & 0xff;
-                if node.inner >> slot & 1 != 0 {
-                    let before = (node.inner & !(u32::MAX << slot)).count_ones();
-                    stack[top] = Entry::new(met[slot as usize], node.first_node + before);
-                    top += 1;
-                    continue;
+            for slot in bits(mask & node.inner) {
+                let child = node.child(slot);
+                self.nodes.prefetch(child as usize * NODE_BYTES);
+                // Few: the farthest at the bottom.
+                let new = Entry::new(met[slot as usize], child);
+                let mut place = top;
+                // SAFETY: below `top` all are written.
+                while place > first && unsafe { stack[place - 1].assume_init() }.is_nearer(new) {
+                    stack[place] = stack[place - 1];
+                    place -= 1;
                 }
-                let place = node.first_slot + (meta & 0x1f) as u32;
-                for slot in place..place + ((meta >> 5) as u32).count_ones() {
+                stack[place].write(new);
+                top += 1;
+            }
+            for slot in bits(mask & !node.inner) {
+                for slot in node.leaf(slot) {
                     // SAFETY: leaves refer to slots.
                     if unsafe { self.slot::<ANY, WORLD, B>(slot, &ray, found, passes) } {
                         return true;
                     }
-                }
-            }
-            // Few: the farthest at the bottom.
-            let pushed = &mut stack[first..top];
-            for i in 1..pushed.len() {
-                let mut j = i;
-                while j > 0 && pushed[j - 1].distance() < pushed[j].distance() {
-                    pushed.swap(j - 1, j);
-                    j -= 1;
                 }
             }
         }
@@ -259,6 +258,16 @@ impl Search<'_> {
     }
 }
 
+/// The places of a word's bits, from the lowest.
+#[inline(always)]
+fn bits(mut word: u32) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let place = word.trailing_zeros();
+        word &= word.wrapping_sub(1);
+        (place < 32).then_some(place)
+    })
+}
+
 /// A node's words.
 struct Node {
     origin: [f32; 3],
@@ -278,10 +287,9 @@ impl Node {
     /// There is a node of this index.
     #[inline(always)]
     unsafe fn load(nodes: Storage<'_>, index: u32) -> Self {
-        let stride = crate::constants::NODE_STRIDE as usize * VEC4;
         // SAFETY: this function's contract.
         let n: [Vec4<u32>; 5] = unsafe {
-            let at = nodes.at(index as usize * stride);
+            let at = nodes.at(index as usize * NODE_BYTES);
             std::array::from_fn(|i| at.at(i * VEC4).load())
         };
         let wide = |low: u32, high: u32| u64::from(low) | u64::from(high) << 32;
@@ -296,6 +304,20 @@ impl Node {
             first_node: n[1].x,
             first_slot: n[1].y,
         }
+    }
+
+    /// The node that a child is.
+    #[inline(always)]
+    fn child(&self, slot: u32) -> u32 {
+        self.first_node + (self.inner & !(u32::MAX << slot)).count_ones()
+    }
+
+    /// The leaf slots of a child that is a leaf.
+    #[inline(always)]
+    fn leaf(&self, slot: u32) -> Range<u32> {
+        let meta = (self.meta >> (8 * slot)) as u32 & 0xff;
+        let first = self.first_slot + (meta & 0x1f);
+        first..first + (meta >> 5).count_ones()
     }
 
     /// Its planes as a ray meets them.

@@ -176,10 +176,10 @@ fn compare(
     let hits: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
     let n_hits = hits.iter().filter(|hit| hit[3] != k::NONE).count();
     let expected = batch.expected[question as usize].get_or_insert_with(|| hits.clone());
+    let is_near = |t: f32, t0: f32| (t - t0).abs() <= T_TOLERANCE * t0.abs();
     let differs = |(a, b): &(&[u32; 4], &[u32; 4])| {
         let [t, t0] = [f32::from_bits(a[0]), f32::from_bits(b[0])];
-        (a[3] == k::NONE) != (b[3] == k::NONE)
-            || (a[3] != k::NONE && !((t - t0).abs() <= T_TOLERANCE * t0.abs()))
+        (a[3] == k::NONE) != (b[3] == k::NONE) || (a[3] != k::NONE && !is_near(t, t0))
     };
     let n_different = hits.iter().zip(expected.iter()).filter(differs).count();
     Ok((n_hits as f64 / hits.len().max(1) as f64, n_different))
