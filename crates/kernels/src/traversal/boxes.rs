@@ -132,7 +132,7 @@ mod tests {
             let near: [u64; 3] = std::array::from_fn(|_| bytes());
             let far = near.map(|word| word + bytes());
             let mut numbers = || std::array::from_fn(|_| number(&mut state));
-            let (scale, offset) = (numbers(), numbers().map(|x: f32| 64.0 * x));
+            let (scale, offset) = (numbers().map(|x: f32| 1.0 + 0.5 * x), numbers().map(|x: f32| 64.0 * x));
             let planes = Planes { near, far, scale, offset };
             let t_max = 100.0 * number(&mut state).abs();
             let (mut portable, mut avx2) = ([0.0; 8], [0.0; 8]);
@@ -145,6 +145,6 @@ mod tests {
             assert_eq!(portable.map(f32::to_bits), avx2.map(f32::to_bits));
             n_met += masks.0.count_ones();
         }
-        assert!(n_met > 10_000, "only {n_met} boxes were met");
+        assert!(n_met > 5_000, "only {n_met} boxes were met");
     }
 }

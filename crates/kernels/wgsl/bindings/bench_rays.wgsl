@@ -5,8 +5,8 @@ const BENCH_RAY_STRIDE: u32 = 2u;
 /// As in bindings/params.wgsl.
 const GRID_ROW: u32 = 2097152u;
 
-@group(0) @binding(13) var<storage, read> rays: array<vec4<f32>>;
-@group(0) @binding(14) var<storage, read_write> hits: array<vec4<f32>>;
+@group(0) @binding(16) var<storage, read> rays: array<vec4<f32>>;
+@group(0) @binding(17) var<storage, read_write> hits: array<vec4<f32>>;
 
 /// Everything is solid here. (It looks at a buffer, as every `passes` does, for the CPU's own traversal.)
 fn passes(id: u32, u: f32, v: f32, origin: vec3<f32>, direction: vec3<f32>) -> bool {

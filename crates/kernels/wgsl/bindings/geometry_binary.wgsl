@@ -17,6 +17,36 @@ const STACK_BOTTOM: u32 = 0xffffffffu;
 /// Leaf slot: first vertex and triangle index; an edge; the other edge.
 @group(0) @binding(3) var<storage, read> triangles: array<vec4<f32>>;
 
+/// min and max for slabs, which have no NaN (safe_inverse): a single instruction on a CPU, where
+/// WGSL's own, which must prefer the other operand to a NaN, take five.
+fn lesser(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return select(b, a, a < b);
+}
+
+fn greater(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return select(b, a, a > b);
+}
+
+fn lesser1(a: f32, b: f32) -> f32 {
+    return select(b, a, a < b);
+}
+
+fn greater1(a: f32, b: f32) -> f32 {
+    return select(b, a, a > b);
+}
+
+/// Entry and exit distance of the slabs; a miss has x > y. The exit is widened by 2 ulp, so that
+/// rounding never loses a box (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013).
+fn intersect_box(box_min: vec3<f32>, box_max: vec3<f32>, origin: vec3<f32>, inverse: vec3<f32>, t_max: f32) -> vec2<f32> {
+    let a = (box_min - origin) * inverse;
+    let b = (box_max - origin) * inverse;
+    let low = lesser(a, b);
+    let high = greater(a, b);
+    let enter = greater1(greater1(low.x, low.y), greater1(low.z, 0.0));
+    let leave = lesser1(lesser1(high.x, high.y), high.z) * 1.0000004;
+    return vec2<f32>(enter, lesser1(leave, t_max));
+}
+
 /// The nearest triangle with 0 < t < t_max; its `triangle` is NONE if there is none.
 fn closest_hit_binary(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {
     let inverse = safe_inverse(direction);
