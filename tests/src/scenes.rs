@@ -221,7 +221,7 @@ fn rough_surfaces() -> Vec<Surface> {
         k: Vec3::new(3.91, 2.45, 2.14),
         tint: Vec3::ONE.into(),
     };
-    let brushed = Roughness { along: 0.7.into(), across: 0.4.into(), squared: true };
+    let brushed = Roughness { along: 0.7.into(), across: 0.4.into(), squared: true, single_bounce: false };
     let base =
         MetallicRoughness { base_color: Vec3::new(0.3, 0.7, 0.9).into(), ..MetallicRoughness::default() };
     let coated = MetallicRoughness {

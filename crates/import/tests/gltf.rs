@@ -61,7 +61,12 @@ fn metals_by_roughness() {
             json!({"metallicFactor": 1, "roughnessFactor": roughness, "baseColorFactor": [0.5, 0.5, 0.5, 1]});
         let (found, warnings) = material(json!({"pbrMetallicRoughness": pbr}));
         let fresnel = ConductorFresnel::Schlick { f0: Vec3::splat(0.5).into() };
-        let roughness = Roughness { along: roughness.into(), across: roughness.into(), squared: true };
+        let roughness = Roughness {
+            along: roughness.into(),
+            across: roughness.into(),
+            squared: true,
+            single_bounce: false,
+        };
         assert_eq!((found.surface, warnings), (Surface::Conductor { fresnel, roughness }, vec![]));
     }
 }

@@ -3,30 +3,46 @@
 //!
 //! Variance times cost is what decides, as in efficiency-aware multiple importance sampling (Grittmann
 //! et al. 2022), for whole images. Work is counted in rays, not in seconds, and the warm-up has seeds of
-//! its own: the same scene makes the same choice on every run, for every seed and for every crop, so
-//! that images are the same bits, and parts of one image that are rendered apart fit together. The
+//! its own: the same scene makes the same choice on every run of a device, for every seed and every crop,
+//! so that images are the same bits, and parts of one image that are rendered apart fit together. The
 //! warm-up's samples are not used again: what was chosen by them would favour images that happen to lack
 //! rare bright paths.
 
 use std::fmt::Write as _;
 
+use midway_device::DeviceKind;
 use midway_film::{Image, mean_and_trimmed};
 
 use crate::{Integrator, IntegratorSettings, Join, RenderError, RenderSettings, Renderer};
 
-/// Pixels of the warm-up's images at most.
-const PIXELS: f64 = 4096.0;
-/// Samples of a pixel in each of the two images of a candidate.
-const SAMPLES: u64 = 8;
+/// Pixels of the warm-up's images at most: fewer do not find what a caustic of few pixels costs, more
+/// cost a device without a GPU more than they are worth.
+const fn n_pixels(kind: DeviceKind) -> f64 {
+    match kind {
+        DeviceKind::Gpu => 4096.0,
+        DeviceKind::Cpu | DeviceKind::SoftwareGpu => 1024.0,
+    }
+}
+
+/// Samples of a pixel in each of the two images of a candidate: as many as it takes for points that are
+/// spread evenly to be worth to each what they will be. `path` gains more by them than `bdpt`.
+const SAMPLES: u64 = 32;
 /// Their seeds.
 const SEEDS: [u32; 2] = [0x5eed_a070, 0x5eed_a071];
 /// Pixels along the side of a block in which light is missed or found.
 const BLOCK: usize = 8;
+/// So much worse than path that no variant of full is better than path.
+const FAR_BEHIND: f64 = 1.25;
 /// Keeps relative errors finite where the image is dark, as in relMSE.
 const EPSILON: f64 = 0.01;
-/// A ray of `bdpt` takes longer than one of `path`, for what is computed at its ends: 1.02 times (A on
-/// an H200) to 1.3 times (A on two cores, Sponza on an H200).
-const BDPT_RAY_COST: f64 = 1.15;
+/// How long a ray of `bdpt` takes, for what is computed at its ends, against a ray of `path`: on a GPU
+/// (H100) 1.37 to 1.52 times in the project's scenes, on two cores 1.3 times.
+const fn bdpt_ray_cost(kind: DeviceKind) -> f64 {
+    match kind {
+        DeviceKind::Gpu => 1.45,
+        DeviceKind::Cpu | DeviceKind::SoftwareGpu => 1.3,
+    }
+}
 
 /// What the warm-up found out about one integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,15 +51,14 @@ pub struct Candidate {
     pub integrator: IntegratorSettings,
     /// relMSE of one sample a pixel, without the worst 0.1 % of the pixels.
     pub relmse: f64,
-    /// Rays of one sample of a pixel.
-    pub rays: f64,
+    /// Work of one sample of a pixel, in rays of `path`.
+    pub work: f64,
 }
 
 impl Candidate {
     /// Error times work: how long it takes to a given error, relative to others.
     pub fn inefficiency(&self) -> f64 {
-        let ray = if self.integrator.integrator == Integrator::Bdpt { BDPT_RAY_COST } else { 1.0 };
-        self.relmse * self.rays * ray
+        self.relmse * self.work
     }
 
     fn name(&self) -> String {
@@ -76,7 +91,7 @@ impl Choice {
         self.candidates[0].integrator
     }
 
-    /// Who was compared, with error times rays relative to the best: `full 1.00, k-step 3 1.06, …`.
+    /// Who was compared, with error times work relative to the best: `full 1.00, k-step 3 1.06, …`.
     pub fn describe(&self) -> String {
         let best = self.candidates[0].inefficiency().max(f64::MIN_POSITIVE);
         let mut text = String::new();
@@ -89,24 +104,23 @@ impl Choice {
     }
 }
 
-/// Who is compared. All of them converge to the same image.
-fn candidates(like: &IntegratorSettings) -> Vec<IntegratorSettings> {
-    let bdpt = IntegratorSettings { integrator: Integrator::Bdpt, mis: like.mis, ..Default::default() };
-    let k_step = |k| IntegratorSettings { join: Join::KStep, k, ..bdpt };
-    vec![
-        IntegratorSettings { integrator: Integrator::Path, ..bdpt },
-        bdpt,
-        k_step(1),
-        k_step(3),
-        IntegratorSettings { splat: Some(false), ..bdpt },
-    ]
+/// Who is compared first, path and full; all that are compared converge to the same image.
+fn candidates(like: &IntegratorSettings) -> [IntegratorSettings; 2] {
+    let full = IntegratorSettings { integrator: Integrator::Bdpt, mis: like.mis, ..Default::default() };
+    [IntegratorSettings { integrator: Integrator::Path, ..full }, full]
 }
 
-/// Two independent images of one candidate, and its rays.
+/// Who is compared besides, where full is not far behind path.
+fn variants(full: IntegratorSettings) -> [IntegratorSettings; 3] {
+    let k_step = |k| IntegratorSettings { join: Join::KStep, k, ..full };
+    [k_step(1), k_step(3), IntegratorSettings { splat: Some(false), ..full }]
+}
+
+/// Two independent images of one candidate, and the work of a sample.
 struct WarmUp {
     integrator: IntegratorSettings,
     images: [Image; 2],
-    rays: f64,
+    work: f64,
 }
 
 /// Compares the candidates on a renderer's scene. Of its settings all but the integrator, the crop, the
@@ -115,17 +129,23 @@ struct WarmUp {
 /// # Errors
 /// If the device fails or has no room for small images beside the renderer.
 pub fn choose(renderer: &Renderer) -> Result<Choice, RenderError> {
-    let small = small_settings(renderer.settings());
-    let warm_ups = candidates(&small.integrator)
-        .into_iter()
-        .map(|integrator| warm_up(renderer.beside(RenderSettings { integrator, ..small.clone() })?))
-        .collect::<Result<Vec<_>, _>>()?;
+    let small = small_settings(renderer.settings(), n_pixels(renderer.device().info().kind));
+    let warm_up = |integrator| warm_up(renderer.beside(RenderSettings { integrator, ..small.clone() })?);
+    let [path, full] = candidates(&small.integrator);
+    let mut warm_ups = vec![warm_up(path)?, warm_up(full)?];
+    let first = judge(&warm_ups);
+    if first[1].inefficiency() > FAR_BEHIND * first[0].inefficiency() {
+        return Ok(Choice::of(first));
+    }
+    for variant in variants(full) {
+        warm_ups.push(warm_up(variant)?);
+    }
     Ok(Choice::of(judge(&warm_ups)))
 }
 
 /// The whole film with fewer pixels: the variance of a sample hardly depends on a pixel's size.
-fn small_settings(settings: &RenderSettings) -> RenderSettings {
-    let scale = (PIXELS / (f64::from(settings.width) * f64::from(settings.height))).sqrt().min(1.0);
+fn small_settings(settings: &RenderSettings, n_pixels: f64) -> RenderSettings {
+    let scale = (n_pixels / (f64::from(settings.width) * f64::from(settings.height))).sqrt().min(1.0);
     let side = |side: u32| ((f64::from(side) * scale).round() as u32).max(1);
     RenderSettings {
         width: side(settings.width),
@@ -147,7 +167,10 @@ fn warm_up(mut renderer: Renderer) -> Result<WarmUp, RenderError> {
         renderer.image()
     };
     let images = [image(SEEDS[0])?, image(SEEDS[1])?];
-    Ok(WarmUp { integrator, images, rays: renderer.stats()?.rays as f64 / samples })
+    let rays = renderer.stats()?.rays as f64 / samples;
+    let is_bdpt = integrator.integrator == Integrator::Bdpt;
+    let ray = if is_bdpt { bdpt_ray_cost(renderer.device().info().kind) } else { 1.0 };
+    Ok(WarmUp { integrator, images, work: rays * ray })
 }
 
 /// The error of each candidate. One that has not found some of the light in so few samples shows little
@@ -160,7 +183,7 @@ fn judge(warm_ups: &[WarmUp]) -> Vec<Candidate> {
         let spread = 0.5 * mean_and_trimmed(relative_squares(&w.images[0], &w.images[1], &reference)).1;
         let missed =
             if is_complete(&w) { 0.0 } else { missed_error(&mean(w.images.iter()), &halves, &reference) };
-        Candidate { integrator: w.integrator, relmse: SAMPLES as f64 * spread.max(missed), rays: w.rays }
+        Candidate { integrator: w.integrator, relmse: SAMPLES as f64 * spread.max(missed), work: w.work }
     };
     warm_ups.iter().map(judge).collect()
 }
@@ -206,32 +229,32 @@ fn relative_squares(a: &Image, b: &Image, reference: &Image) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    fn candidate(integrator: IntegratorSettings, relmse: f64, rays: f64) -> Candidate {
-        Candidate { integrator, relmse, rays }
+    fn candidate(integrator: IntegratorSettings, relmse: f64, work: f64) -> Candidate {
+        Candidate { integrator, relmse, work }
     }
 
     #[test]
     fn the_least_error_for_the_work_wins_and_is_named() {
-        let [path, full, ..] = candidates(&IntegratorSettings::default())[..] else { unreachable!() };
+        let [path, full] = candidates(&IntegratorSettings::default());
         let choice = Choice::of(vec![candidate(path, 8.0, 3.0), candidate(full, 1.0, 10.0)]);
         assert_eq!(choice.integrator(), full);
-        assert_eq!(choice.describe(), "full 1.00, path 2.09");
+        assert_eq!(choice.describe(), "full 1.00, path 2.40");
         let choice = Choice::of(vec![candidate(path, 1.0, 3.0), candidate(full, 0.5, 10.0)]);
         assert_eq!(choice.integrator(), path);
     }
 
-    fn warm_up_of(integrator: IntegratorSettings, values: [f32; 2], rays: f64) -> WarmUp {
+    fn warm_up_of(integrator: IntegratorSettings, values: [f32; 2], work: f64) -> WarmUp {
         let image = |value: f32| {
             // Half of the pixels are above the mean, half below.
             Image::from_fn(16, 16, |x, _| [if x % 2 == 0 { 1.0 + value } else { 1.0 - value }; 3])
         };
-        WarmUp { integrator, images: values.map(image), rays }
+        WarmUp { integrator, images: values.map(image), work }
     }
 
     /// Half the squared difference of the two images, over 1.01.
     #[test]
     fn the_spread_between_two_images_is_the_error() {
-        let [path, full, ..] = candidates(&IntegratorSettings::default())[..] else { unreachable!() };
+        let [path, full] = candidates(&IntegratorSettings::default());
         let judged = judge(&[warm_up_of(path, [0.3, -0.3], 2.0), warm_up_of(full, [0.1, -0.1], 5.0)]);
         for (candidate, difference) in judged.iter().zip([0.6, 0.2]) {
             let expected = SAMPLES as f64 * 0.5 * difference * difference / 1.01;
@@ -242,17 +265,17 @@ mod tests {
     /// Light that is missing in one block of sixteen weighs more than half of the spread.
     #[test]
     fn a_spot_that_was_not_found_is_an_error() {
-        let [path, full, ..] = candidates(&IntegratorSettings::default())[..] else { unreachable!() };
+        let [path, full] = candidates(&IntegratorSettings::default());
         let image = |spot: f32, noise: f32| {
             let at = |x, y| {
                 1.0 + if x < 8 && y < 8 { spot } else { 0.0 } + if (x + y) % 2 == 0 { noise } else { -noise }
             };
             Image::from_fn(32, 32, |x, y| [at(x, y); 3])
         };
-        let with = |integrator, spot, noise, rays| WarmUp {
+        let with = |integrator, spot, noise, work| WarmUp {
             integrator,
             images: [image(spot, noise), image(spot, -noise)],
-            rays,
+            work,
         };
         let judged = judge(&[with(path, 0.0, 0.1, 3.0), with(full, 1.0, 0.15, 10.0)]);
         assert_eq!(Choice::of(judged).integrator(), full);
@@ -263,7 +286,7 @@ mod tests {
     /// A black image has no spread.
     #[test]
     fn light_that_was_not_found_is_an_error() {
-        let [path, full, ..] = candidates(&IntegratorSettings::default())[..] else { unreachable!() };
+        let [path, full] = candidates(&IntegratorSettings::default());
         let black = WarmUp {
             images: [0, 1].map(|_| Image::filled(16, 16, [0.0; 3])),
             ..warm_up_of(path, [0.0; 2], 2.0)

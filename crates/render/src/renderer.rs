@@ -194,6 +194,11 @@ impl Renderer {
         &self.settings
     }
 
+    /// What it runs on.
+    pub fn device(&self) -> &dyn Device {
+        &*self.device
+    }
+
     /// Samples of every pixel so far.
     pub fn samples(&self) -> u64 {
         self.samples

@@ -157,6 +157,9 @@ pub struct Roughness {
     pub across: ScalarInput,
     /// Whether α is the square of these (perceptual roughness) or themselves.
     pub squared: bool,
+    /// Whether light that meets a second facet is lost, as in models of single scattering, or goes on.
+    /// Plastic always keeps it.
+    pub single_bounce: bool,
 }
 
 impl Roughness {
@@ -167,7 +170,7 @@ impl Roughness {
 
     /// The same α all round.
     pub fn alpha(alpha: f32) -> Self {
-        Self { along: alpha.into(), across: alpha.into(), squared: false }
+        Self { along: alpha.into(), across: alpha.into(), squared: false, single_bounce: false }
     }
 
     /// Whether it is smooth everywhere.

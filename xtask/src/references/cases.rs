@@ -18,11 +18,25 @@ pub struct Case {
 pub enum File {
     /// A file relative to the folder of scenes.
     At(&'static str),
+    /// The same, its metals put back to the indices and the single bounces of the picture.
+    WithMetals(&'static str, Metal),
     /// One of Ignis' evaluation for Mitsuba.
     Ignis(&'static str),
     /// [`IGNIS_BOX`].
     IgnisBox,
 }
+
+/// A measured metal. glTF has only Schlick's approximation from the reflectance at normal
+/// incidence, and towards grazing angles that is far above what a metal or a dark one reflects.
+pub struct Metal {
+    /// η of R, G and B.
+    pub eta: [f32; 3],
+    /// k of R, G and B.
+    pub k: [f32; 3],
+}
+
+/// Aluminium, as every metal of Veach's door is in Mitsuba's file of it.
+const ALUMINIUM: Metal = Metal { eta: [1.65746, 0.880369, 0.521229], k: [9.22387, 6.26952, 4.837] };
 
 /// Ignis' evaluation. Its scenes for Mitsuba were written to lie one folder higher: `meshes` is
 /// `evaluation/meshes`, and `../meshes` the folder beside it, which has others of the same names.
@@ -35,15 +49,17 @@ const BOUNDARIES: &str = "none: boundaries of media are vertices of ours, not of
 
 /// A scene of Bitterli's, converted to glTF.
 macro_rules! bitterli {
-    ($name:literal, $longest:expr, $tolerance:literal) => {
+    ($name:literal, $longest:expr, $tolerance:literal $(, $metal:expr)?) => {
         Case {
             name: $name,
-            file: File::At(concat!("transport/", $name, "/", $name, ".gltf")),
+            file: bitterli!(@file concat!("transport/", $name, "/", $name, ".gltf") $(, $metal)?),
             reference: concat!("transport/", $name, "/reference.exr"),
             longest: $longest,
             claim: Ok($tolerance),
         }
     };
+    (@file $path:expr) => { File::At($path) };
+    (@file $path:expr, $metal:expr) => { File::WithMetals($path, $metal) };
 }
 
 /// A scene of Ignis' evaluation that Mitsuba has rendered.
@@ -66,7 +82,7 @@ macro_rules! ignis {
 pub const CASES: [Case; 14] = [
     bitterli!("cornell-box", None, 0.005),
     bitterli!("veach-mis", Some(2), 0.02),
-    bitterli!("veach-ajar", Some(12), 0.02),
+    bitterli!("veach-ajar", Some(12), 0.02, ALUMINIUM),
     ignis!("room", File::Ignis("room"), 4),
     ignis!("plane-d1", File::Ignis("plane"), 1),
     ignis!("plane-d6", File::Ignis("plane"), 6),

@@ -12,14 +12,15 @@ use std::{
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
+use glam::Vec3;
 use midway_device::{Device, OpenOptions, open_device};
 use midway_film::{ExrFile, Image, Metadata, write_exr};
 use midway_render::{Integrator, IntegratorSettings, RenderSettings, Renderer};
-use midway_scene::Scene;
+use midway_scene::{ConductorFresnel, Image as Texture, Scene, Surface, Texels};
 
 use self::{
     blocks::{Ratios, ratios},
-    cases::{CASES, Case, File, IGNIS, IGNIS_BOX},
+    cases::{CASES, Case, File, IGNIS, IGNIS_BOX, Metal},
 };
 
 /// `cargo xtask references`.
@@ -109,6 +110,11 @@ fn load(scenes: &Path, file: &File) -> Result<Scene> {
     let ignis = scenes.join(IGNIS);
     let text = match file {
         File::At(path) => return Ok(midway_import::load(&scenes.join(path))?.scene),
+        File::WithMetals(path, metal) => {
+            let mut scene = midway_import::load(&scenes.join(path))?.scene;
+            put_back(&mut scene, metal);
+            return Ok(scene);
+        }
         File::Ignis(name) => {
             let path = ignis.join("evaluation/mitsuba").join(name).with_extension("xml");
             fs::read_to_string(path)?.replace("../meshes/", "outer/")
@@ -122,6 +128,38 @@ fn load(scenes: &Path, file: &File) -> Result<Scene> {
     let loaded = midway_import::load(&copy.join("scene.xml"));
     fs::remove_dir_all(&copy)?;
     Ok(loaded?.scene)
+}
+
+/// Makes every metal by Schlick's approximation one by `metal` and of single bounces, with the same
+/// reflectance at normal incidence. What divides it is put into the texels where there are any: a tint is at most 1.
+fn put_back(scene: &mut Scene, metal: &Metal) {
+    let (eta, k) = (Vec3::from_array(metal.eta), Vec3::from_array(metal.k));
+    let (lower, upper) = (eta - Vec3::ONE, eta + Vec3::ONE);
+    let f0 = (lower * lower + k * k) / (upper * upper + k * k);
+    for material in &mut scene.materials {
+        let Surface::Conductor { fresnel, roughness } = &mut material.surface else { continue };
+        let ConductorFresnel::Schlick { f0: seen } = fresnel else { continue };
+        let mut tint = seen.clone();
+        match &mut tint.texture {
+            Some(texture) => {
+                let image = divided(&scene.images[texture.image as usize], f0);
+                texture.image = scene.images.len() as u32;
+                scene.images.push(image);
+            }
+            None => tint.value = (tint.value / f0).min(Vec3::ONE),
+        }
+        *fresnel = ConductorFresnel::Complex { eta, k, tint };
+        roughness.single_bounce = true;
+    }
+}
+
+fn divided(image: &Texture, by: Vec3) -> Texture {
+    let texel = |index| {
+        let [r, g, b, a] = image.texels.linear(index);
+        let rgb = (Vec3::new(r, g, b) / by).min(Vec3::ONE);
+        [rgb.x, rgb.y, rgb.z, a]
+    };
+    Texture { texels: Texels::Float((0..image.texels.len()).map(texel).collect()), ..image.clone() }
 }
 
 fn copy_folder(from: &Path, to: &Path) -> Result<()> {

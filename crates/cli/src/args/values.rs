@@ -9,11 +9,11 @@ use midway_render::Aov;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum IntegratorArg {
     /// Path or bdpt, and which, by a short warm-up.
+    #[default]
     Auto,
     /// Camera paths; light only where they hit it.
     PathNaive,
     /// Camera paths that sample a light at each vertex.
-    #[default]
     Path,
     /// Light paths, splatted onto the film.
     Light,

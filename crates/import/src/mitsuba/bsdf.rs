@@ -148,7 +148,7 @@ impl Loader<'_> {
         };
         let along = by_direction(self, "alpha_u")?;
         let across = by_direction(self, "alpha_v")?;
-        Ok(Roughness { along, across, squared: false })
+        Ok(Roughness { along, across, squared: false, single_bounce: true })
     }
 
     fn mask(&mut self, node: Node, depth: usize) -> Result<Material> {

@@ -151,7 +151,7 @@ impl Definition<'_> {
         let [along, across] = [along, across].map(|scalar| {
             self.textures.map(&scalar, |x| if remaps { remap(x.max(0.0)) } else { x.max(0.0) })
         });
-        Ok(Roughness { along, across, squared: false })
+        Ok(Roughness { along, across, squared: false, single_bounce: true })
     }
 
     fn coated_diffuse(&mut self) -> Result<Surface, ImportError> {

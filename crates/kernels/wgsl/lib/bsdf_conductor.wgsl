@@ -2,7 +2,7 @@
 //
 // f = F(wo·h) D(h) G₂ / (4 cos cos) + F_ms L(wo) L(wi) / (π L_mean), L = 1 - E what single bounces
 // lose, F_ms the colour of those that bounce on (Kulla and Conty 2017): reciprocal, and a white
-// metal reflects all. A smooth one is a delta lobe of weight F. Limits: what an anisotropic surface
+// metal reflects all; F_ms = 0 where a scene asks for single bounces. A smooth one is a delta lobe of weight F. Limits: what an anisotropic surface
 // loses is known within 0.03 up to MODERATE_STRETCH (loss_towards).
 
 /// Curves: a the loss.
@@ -20,7 +20,7 @@ fn finish_conductor(raw: RawMaterial, plain: Material) -> Material {
         normal = raw.color * fresnel_complex(material.f0, material.f90, 1.0);
     }
     material.albedo = max3(normal);
-    if (!is_smooth(material)) {
+    if (bounces_on(material)) {
         let loss = curve_mean(material.curves.a);
         material.ms_front = multiple_bounces(mean, loss) * (INV_PI / loss);
         material.ms_back = material.ms_front;

@@ -3,7 +3,7 @@
 // Solid: Walter et al., "Microfacet Models for Refraction through Rough Surfaces" (2007), equations
 // 20 and 21, with Smith's height-correlated G₂. Thin: both faces with all bounces between them
 // (fresnel_sheet); what is transmitted goes on as if reflected and mirrored at the sheet.
-// What single scattering loses is given back by reciprocal lobes (Kulla and Conty 2017). Solid, with
+// What single scattering loses is given back, but to scenes that ask for single bounces, by reciprocal lobes (Kulla and Conty 2017). Solid, with
 // n the denser index over the rarer, A and B the mean losses of the rarer and the denser side:
 //   rare to dense, importance: k n² L_A(wo) L_B(wi) / π; dense to rare: k L_B(wo) L_A(wi) / π;
 //   rare to rare: (1 - k n² B) L_A L_A / (π A); dense to dense: (1 - k A) L_B L_B / (π B),
@@ -21,7 +21,7 @@ fn finish_dielectric(raw: RawMaterial, plain: Material) -> Material {
         material.alpha = vec2<f32>(0.0);
         material.flags &= ~MATERIAL_CONNECTIBLE;
     }
-    if (is_smooth(material)) {
+    if (!bounces_on(material)) {
         return material;
     }
     let mean = dielectric_mean(max(raw.ior, 1.0 / raw.ior));

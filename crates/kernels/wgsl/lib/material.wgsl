@@ -24,6 +24,8 @@ const MATERIAL_COMPLEX: u32 = 16u;
 const MATERIAL_NONLINEAR: u32 = 32u;
 /// Derived: some of it scatters into a density, not by delta lobes alone.
 const MATERIAL_CONNECTIBLE: u32 = 64u;
+/// Light that meets a second facet is lost.
+const MATERIAL_SINGLE_BOUNCE: u32 = 128u;
 
 /// A record: the scene's values, unchanged.
 struct RawMaterial {
@@ -155,6 +157,11 @@ fn needs_dielectric_losses(raw: RawMaterial) -> bool {
 
 fn is_smooth(material: Material) -> bool {
     return !may_have(FEATURE_ROUGHNESS) || material.alpha.x == 0.0;
+}
+
+/// Whether light goes on from facet to facet.
+fn bounces_on(material: Material) -> bool {
+    return !is_smooth(material) && (material.flags & MATERIAL_SINGLE_BOUNCE) == 0u;
 }
 
 /// Whether what it transmits is bent, into an inside.

@@ -75,7 +75,7 @@ fn record_of(surface: &Surface) -> Record {
         Surface::Conductor { fresnel, roughness } => conductor(fresnel, roughness),
         Surface::Dielectric { ior, reflection, transmission, sigma_a, roughness, .. } => Record {
             kind: k::SURFACE_DIELECTRIC,
-            flags: inside | squared(roughness),
+            flags: inside | facets(roughness),
             color: transmission.value,
             ior: *ior,
             sigma_a: *sigma_a,
@@ -86,7 +86,7 @@ fn record_of(surface: &Surface) -> Record {
         },
         Surface::Plastic { reflectance, specular, ior, nonlinear, roughness } => Record {
             kind: k::SURFACE_PLASTIC,
-            flags: squared(roughness) | if *nonlinear { k::MATERIAL_NONLINEAR } else { 0 },
+            flags: facets(roughness) | if *nonlinear { k::MATERIAL_NONLINEAR } else { 0 },
             color: reflectance.value,
             ior: *ior,
             specular_color: specular.value,
@@ -102,7 +102,7 @@ fn record_of(surface: &Surface) -> Record {
 fn conductor(fresnel: &ConductorFresnel, roughness: &Roughness) -> Record {
     let plain = Record {
         kind: k::SURFACE_CONDUCTOR,
-        flags: squared(roughness),
+        flags: facets(roughness),
         ior: 1.0,
         roughness: values(roughness),
         ..Record::default()
@@ -137,8 +137,9 @@ fn metallic_roughness(model: &MetallicRoughness, flags: u32) -> Record {
     }
 }
 
-fn squared(roughness: &Roughness) -> u32 {
-    if roughness.squared { k::MATERIAL_SQUARED } else { 0 }
+fn facets(roughness: &Roughness) -> u32 {
+    let squared = if roughness.squared { k::MATERIAL_SQUARED } else { 0 };
+    squared | if roughness.single_bounce { k::MATERIAL_SINGLE_BOUNCE } else { 0 }
 }
 
 fn values(roughness: &Roughness) -> [f32; 2] {

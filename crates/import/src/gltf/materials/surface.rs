@@ -168,8 +168,12 @@ fn simplest(model: MetallicRoughness) -> Surface {
     if bare && opaque && is(&model.metallic, 0.0) && is(&model.specular, 0.0) {
         return Surface::Diffuse { reflectance: model.base_color };
     }
-    let roughness =
-        Roughness { along: model.roughness.clone(), across: model.roughness.clone(), squared: true };
+    let roughness = Roughness {
+        along: model.roughness.clone(),
+        across: model.roughness.clone(),
+        squared: true,
+        single_bounce: false,
+    };
     if bare && round && is(&model.metallic, 1.0) {
         return Surface::Conductor { fresnel: ConductorFresnel::Schlick { f0: model.base_color }, roughness };
     }
