@@ -33,21 +33,27 @@ fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     let distance = sqrt(distance_squared);
     let wi = to_camera / distance;
-    let vertex = load_join_vertex(stored);
+    let surface = load_stored_surface(stored);
+    if (stored.s > 1u && !may_scatter(surface, stored.wo, wi)) {
+        return;
+    }
+    let end = shade_surface(surface);
+    let terms = light_end_terms(stored, end, wi);
     // the cosine is > 0: the vertex is in front of the camera
     let pdf_camera = camera_pdf_across(params.camera, film_point.z / distance, distance_squared);
-    let cosine = abs(dot(vertex.surface.ng, wi));
+    let cosine = abs(dot(surface.ng, wi));
     var weight = 1.0; // `light` has no other strategy: no camera path hits what it sees
     if (stored.s > 1u && has_flag(FLAG_HIT)) {
-        let pdf_y = pdf_camera * abs(dot(vertex.surface.ng, wi));
-        weight = mis_weight_splat(mis_config(), pdf_y, light_earlier(stored, vertex, wi));
+        let config = mis_config();
+        let ending = ending_chance(config, survival(end.material));
+        weight = mis_weight_splat(config, pdf_camera * cosine, light_earlier(stored, ending, terms.pdf_rev));
     }
-    let medium = medium_before(params.camera_medium, vertex.surface, vertex.material, wi);
+    let medium = medium_before(params.camera_medium, surface, end.material, wi);
     // splat_factor > 0: light paths per sample of every pixel
-    let contribution = light_end_scatter(stored, vertex, wi) * medium_transmittance(medium, distance)
+    let contribution = terms.f * medium_transmittance(medium, distance)
         * (cosine * pdf_camera / params.splat_factor * strategy_weight(stored.s, 1u, weight) * place.weight);
     if (contributes(contribution)) {
-        push_shadow_ray(place.pixel, offset_origin(stored.position, normal_of(vertex.surface, wi)), start, contribution);
+        push_shadow_ray(place.pixel, offset_origin(stored.position, normal_of(surface, wi)), start, contribution);
     }
 }
 

@@ -27,7 +27,7 @@ fn trace_aov(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (hit.triangle == NONE) {
         return;
     }
-    let point = load_raw_point(hit.triangle, hit.u, hit.v);
+    let point = load_raw_point(load_surface(hit.triangle, hit.u, hit.v));
     let surface = point.surface;
     let normal = select(-surface.ns, surface.ns, dot(surface.ng, ray.direction) < 0.0);
     let depth = dot(surface.position - params.camera.origin, params.camera.forward);

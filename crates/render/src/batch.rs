@@ -13,7 +13,7 @@ use midway_device::{BoundKernel, Buffer, BufferUsage, Command, Device, DeviceErr
 use midway_kernels::{constants as k, layout::Params};
 
 use crate::{
-    RenderError, RenderSettings,
+    Join, RenderError, RenderSettings,
     buffers::{BufferSet, Pipelines, dispatch, dispatch_indirect},
     record::{BounceRays, Recorder},
 };
@@ -119,7 +119,8 @@ pub struct LaneUses {
     light: bool,
     splat: bool,
     camera: bool,
-    join: bool,
+    /// The kernel that joins.
+    join: Option<&'static str>,
 }
 
 impl LaneUses {
@@ -130,25 +131,30 @@ impl LaneUses {
             light: integrator.uses_light_paths(),
             splat: integrator.uses_splat(),
             camera: integrator.uses_camera_paths(),
-            join: integrator.joins().is_some(),
+            join: integrator.joins().map(|join| match join {
+                Join::SingleStep => "connect_ends",
+                Join::Full | Join::KStep => "connect",
+            }),
         }
     }
 
     /// Light paths alone, for themselves.
     pub fn light_paths() -> Self {
-        Self { light: true, splat: false, camera: false, join: false }
+        Self { light: true, splat: false, camera: false, join: None }
     }
 
     /// The kernels that it needs.
     pub fn kernels(self) -> impl Iterator<Item = &'static str> {
-        let sets: [(bool, &[&str]); 5] = [
+        let sets: [(bool, &[&str]); 4] = [
             (self.light, &["generate_light", "shade_light"]),
             (self.splat, &["connect_camera"]),
             (self.camera, &["generate_camera", "shade_camera"]),
-            (self.join, &["connect"]),
             (true, &["trace_closest", "trace_shadow", "plan_queue", "plan_shadow"]),
         ];
-        sets.into_iter().filter(|(used, _)| *used).flat_map(|(_, names)| names.iter().copied())
+        sets.into_iter()
+            .filter(|(used, _)| *used)
+            .flat_map(|(_, names)| names.iter().copied())
+            .chain(self.join)
     }
 }
 
@@ -199,7 +205,7 @@ impl Lane {
             light: uses.light.then(light).transpose()?,
             connect_camera: bind_if(uses.splat, "connect_camera")?,
             camera: uses.camera.then(camera).transpose()?,
-            connect: bind_if(uses.join, "connect")?,
+            connect: uses.join.map(bind).transpose()?,
             trace_closest: bind("trace_closest")?,
             plan_queue: bind("plan_queue")?,
             plan_shadow: bind("plan_shadow")?,

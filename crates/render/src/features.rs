@@ -20,7 +20,17 @@ fn material_features(material: &Material) -> u32 {
     // A surface that is not there is one with holes everywhere (`is_absent`).
     let cutout = material.opacity != Opacity::Opaque || material.surface == Surface::Null;
     let inside = if material.surface.has_inside() { k::FEATURE_INSIDES } else { 0 };
-    surface_features(&material.surface) | inside | if cutout { k::FEATURE_CUTOUTS } else { 0 }
+    let textured_light = material.is_emissive()
+        && (material.emission.texture.is_some() || material.opacity != Opacity::Opaque);
+    let set = [(cutout, k::FEATURE_CUTOUTS), (textured_light, k::FEATURE_TEXTURED_LIGHTS)];
+    set.iter()
+        .filter(|(has, _)| *has)
+        .fold(surface_features(&material.surface) | inside, |all, (_, feature)| all | feature)
+}
+
+/// Whether any of what a surface transmits may have a density.
+pub(crate) fn transmits_density(surface: &Surface) -> bool {
+    surface_features(surface) & k::FEATURE_TRANSMISSION != 0
 }
 
 fn surface_features(surface: &Surface) -> u32 {
@@ -49,11 +59,13 @@ fn rough(roughness: &Roughness, transmits: bool) -> u32 {
 fn metallic_roughness(model: &MetallicRoughness) -> u32 {
     let positive = |input: &ScalarInput| input.value > 0.0;
     let layers = positive(&model.clearcoat) || model.sheen_color.value.max_element() > 0.0;
+    // A stretched surface is rough along its direction.
+    let rough = positive(&model.roughness) || positive(&model.anisotropy);
     let set = [
         (true, k::FEATURE_METALLIC_ROUGHNESS | k::FEATURE_INTERFACES),
-        (positive(&model.roughness) || positive(&model.anisotropy), k::FEATURE_ROUGHNESS),
+        (rough, k::FEATURE_ROUGHNESS),
         (positive(&model.anisotropy), k::FEATURE_ANISOTROPY),
-        (positive(&model.transmission), k::FEATURE_TRANSMISSION),
+        (rough && positive(&model.transmission), k::FEATURE_TRANSMISSION),
         // A rough coat is of facets too, and lies over what may be smooth.
         (layers, k::FEATURE_LAYERS),
     ];

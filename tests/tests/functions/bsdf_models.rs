@@ -4,11 +4,12 @@
 use glam::DVec3;
 use midway_kernels::native::lib::{self, Frame, Material};
 use midway_tests::statistics::Estimate;
+use wgsl_cpu::runtime::Vec3;
 
 use crate::{
     chi_square::{Cap, ChiSquare},
     models,
-    support::{Random, assert_near, double, frame, single},
+    support::{Random, assert_near, bsdf_eval, bsdf_pdf, double, frame, single},
 };
 
 const MODES: [u32; 2] = [lib::TRANSPORT_RADIANCE, lib::TRANSPORT_IMPORTANCE];
@@ -45,13 +46,12 @@ fn models_are_reciprocal() {
             let leans = i % 2 == 1;
             let place = random_frame(&mut random, if leans { 0.7 } else { 0.0 });
             let (wo, wi) = (random.direction(), random.direction());
-            let f =
-                |wo, wi, mode| double(lib::bsdf_eval(model.material, place, single(wo), single(wi), mode));
+            let f = |wo, wi, mode| double(bsdf_eval(model.material, place, single(wo), single(wi), mode));
             let [radiance, importance] = MODES.map(|mode| f(wo, wi, mode));
             let reverse = f(wi, wo, lib::TRANSPORT_IMPORTANCE);
             assert_eq!(radiance, reverse, "{}", model.name);
             let pdfs = [(wo, wi, MODES[0]), (wi, wo, MODES[1])]
-                .map(|(from, to, mode)| lib::bsdf_pdf(model.material, place, single(from), single(to), mode));
+                .map(|(from, to, mode)| bsdf_pdf(model.material, place, single(from), single(to), mode));
             assert!(
                 radiance.max_element() == 0.0 || pdfs.iter().all(|&pdf| pdf > 0.0),
                 "{}: light without a density, {pdfs:?}",
@@ -126,9 +126,17 @@ fn samples_carry_their_own_density_and_weight() {
             if sampled.is_delta {
                 continue;
             }
-            let pdf = lib::bsdf_pdf(model.material, place, single(wo), sampled.wi, mode);
+            let pdf = bsdf_pdf(model.material, place, single(wo), sampled.wi, mode);
             assert_near(f64::from(sampled.pdf / pdf), 1.0, 1e-5, &model.name);
-            let f = double(lib::bsdf_eval(model.material, place, single(wo), sampled.wi, mode));
+            let other = lib::TRANSPORT_IMPORTANCE - mode;
+            let reverse = bsdf_pdf(model.material, place, sampled.wi, single(wo), other);
+            assert_near(
+                f64::from(sampled.pdf_rev),
+                f64::from(reverse),
+                1e-5 * f64::from(reverse),
+                &model.name,
+            );
+            let f = double(bsdf_eval(model.material, place, single(wo), sampled.wi, mode));
             let expected = f * double(place.ng).dot(wi).abs();
             let error = (double(sampled.weight) * f64::from(pdf) - expected).abs().max_element();
             // f is large where the light's cosine is small; rounding of the other cosine is 1e-7.
@@ -149,7 +157,7 @@ fn test_directions(
         let sampled = lib::bsdf_sample(sampled, place, single(wo), random.unit3(), mode);
         (sampled.pdf > 0.0 && !sampled.is_delta).then(|| double(sampled.wi))
     };
-    let pdf = |wi: DVec3| f64::from(lib::bsdf_pdf(material, place, single(wo), single(wi), mode));
+    let pdf = |wi: DVec3| f64::from(bsdf_pdf(material, place, single(wo), single(wi), mode));
     Cap::sphere().test(N, sample, pdf)
 }
 
@@ -191,7 +199,8 @@ fn another_roughness_or_direction_is_rejected() {
 
 /// The chance of a delta lobe by its two factors.
 fn delta_chance(material: Material, front: bool, mu: f32, reflects: bool) -> f64 {
-    let chances = lib::lobe_chances(material, front, mu);
+    let met = lib::aspect_at(material, front, Vec3::new(0.0, 0.0, mu));
+    let chances = lib::lobe_chances(material, front, mu, met);
     let reflected = lib::reflection_chance(lib::interface_split(material, front, mu));
     f64::from(chances.facets * if reflects { reflected } else { 1.0 - reflected })
 }

@@ -5,7 +5,7 @@ use midway_kernels::native::lib::{self, Material};
 
 use crate::{
     chi_square::{Cap, ChiSquare},
-    support::{Random, assert_near, diffuse, double, frame, glass, sheet, single},
+    support::{Random, assert_near, bsdf_eval, bsdf_pdf, diffuse, double, frame, glass, sheet, single},
 };
 
 const N: u64 = 400_000;
@@ -24,7 +24,7 @@ impl Place {
     }
 
     fn pdf(&self, material: Material, wi: DVec3, mode: u32) -> f64 {
-        f64::from(lib::bsdf_pdf(material, frame(self.ng, self.ns), single(self.wo), single(wi), mode))
+        f64::from(bsdf_pdf(material, frame(self.ng, self.ns), single(self.wo), single(wi), mode))
     }
 
     /// Places with the shading normal tilted by up to `tilt`, on both sides, grazing ones too.
@@ -93,11 +93,17 @@ fn diffuse_samples_carry_their_own_density_and_weight() {
             let pdf = place.pdf(material, wi, lib::TRANSPORT_IMPORTANCE);
             assert_near(f64::from(sampled.pdf), pdf, 2e-7, "pdf");
             let (at, wo) = (frame(place.ng, place.ns), single(place.wo));
-            let f = double(lib::bsdf_eval(material, at, wo, sampled.wi, lib::TRANSPORT_IMPORTANCE));
+            let reverse = bsdf_pdf(material, at, sampled.wi, wo, lib::TRANSPORT_RADIANCE);
+            assert_near(f64::from(sampled.pdf_rev), f64::from(reverse), 2e-7, "reverse pdf");
+            let f = double(bsdf_eval(material, at, wo, sampled.wi, lib::TRANSPORT_IMPORTANCE));
             let expected = f * double(at.ng).dot(wi).abs();
             let actual = double(sampled.weight) * f64::from(sampled.pdf);
-            // Over the cosine of the light, which is 0.05 at least.
-            assert!((actual - expected).abs().max_element() <= 4e-6, "{place:?}: {actual}, not {expected}");
+            // f is over the cosine of the light, which wo leads to.
+            let tolerance = 2e-7 / place.wo.dot(place.ng).abs();
+            assert!(
+                (actual - expected).abs().max_element() <= tolerance,
+                "{place:?}: {actual}, not {expected}"
+            );
         }
     }
 }

@@ -181,3 +181,13 @@ pub fn assert_near(actual: f64, expected: f64, tolerance: f64, what: &str) {
     let error = (actual - expected).abs();
     assert!(error <= tolerance, "{what}: {actual}, not {expected}: off by {error:e}, over {tolerance:e}");
 }
+
+/// f of a pair of directions, without densities.
+pub fn bsdf_eval(material: Material, place: Frame, wo: Vec3<f32>, wi: Vec3<f32>, mode: u32) -> Vec3<f32> {
+    lib::bsdf_terms(material, place, wo, wi, mode).f
+}
+
+/// The density of wi given wo on a path of this mode.
+pub fn bsdf_pdf(material: Material, place: Frame, wo: Vec3<f32>, wi: Vec3<f32>, mode: u32) -> f32 {
+    lib::bsdf_terms(material, place, wo, wi, mode).pdf_fwd
+}

@@ -63,7 +63,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "rough-refraction-without-eta-squared",
-        file: "lib/bsdf_lobes.wgsl",
+        file: "lib/bsdf_terms.wgsl",
         find: "select(f, f / (eta * eta), bends(material))",
         replace: "f",
         caught_by: MATERIALS,
@@ -105,7 +105,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "pool-count-in-mis-weight",
-        file: "bindings/join_choice.wgsl",
+        file: "bindings/join.wgsl",
         find: "let config = mis_config();",
         replace: "var config = mis_config(); if (has_flag(FLAG_POOL) && params.join == JOIN_K_STEP) { \
                   config.join = f32(params.k * params.n_light_paths) / f32(light_paths[pool_size_at()]); }",
@@ -120,8 +120,8 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "ending-chance-omitted",
-        file: "bindings/join_choice.wgsl",
-        find: "1.0 / (y_ending * vertex.ending)",
+        file: "connect_ends.wgsl",
+        find: "1.0 / (y_ending * z_ending)",
         replace: "1.0",
         caught_by: LIT_SPHERE,
     },
@@ -134,9 +134,9 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "join-without-inverse-square",
-        file: "bindings/join_choice.wgsl",
-        find: "* (cosines / distance_squared)",
-        replace: "* cosines",
+        file: "bindings/join.wgsl",
+        find: "cosines.x * cosines.y / distance_squared",
+        replace: "cosines.x * cosines.y",
         caught_by: LIT_SPHERE,
     },
     Mutant {

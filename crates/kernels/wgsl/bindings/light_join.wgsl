@@ -4,14 +4,17 @@
 /// multiplied by for the chance of the join.
 fn join_light(path: Path, vertex: Vertex, light: LightSample, factor: f32, estimator: f32) {
     let t = path.depth + 2u;
-    let f = bsdf_eval(vertex.material, frame_of(vertex.surface), vertex.wo, light.wi, TRANSPORT_RADIANCE);
-    if (light.pdf <= 0.0 || !contributes(light.arriving * f)) {
+    if (light.pdf <= 0.0 || !contributes(light.arriving)) {
         return;
     }
-    let weight = strategy_weight(1u, t, light_join_weight(path, vertex, light, factor));
+    let terms = scatter_terms(vertex, light.wi, TRANSPORT_RADIANCE);
+    if (!contributes(light.arriving * terms.f)) {
+        return;
+    }
+    let weight = strategy_weight(1u, t, light_join_weight(path, vertex, light, terms, factor));
     let leaving = medium_towards(path.medium, vertex.surface, vertex.material, vertex.wo, light.wi);
     let medium = select(light.inside, leaving, light.inside == NONE);
-    let contribution = vertex.throughput * f * light.arriving * medium_transmittance(medium, light.distance)
+    let contribution = vertex.throughput * terms.f * light.arriving * medium_transmittance(medium, light.distance)
         * (abs(dot(vertex.surface.ng, light.wi)) / light.pdf * weight * estimator);
     if (contributes(contribution)) {
         push_shadow_ray(path.index, offset_origin(vertex.surface.position, normal_towards(vertex.surface, light.wi)),
@@ -19,11 +22,11 @@ fn join_light(path: Path, vertex: Vertex, light: LightSample, factor: f32, estim
     }
 }
 
-fn light_join_weight(path: Path, vertex: Vertex, light: LightSample, factor: f32) -> f32 {
+fn light_join_weight(path: Path, vertex: Vertex, light: LightSample, terms: BsdfTerms, factor: f32) -> f32 {
     let config = mis_config();
-    let pdf_hit = scatter_pdf(vertex, vertex.wo, light.wi, TRANSPORT_RADIANCE) * light.to_measure;
+    let pdf_hit = terms.pdf_fwd * light.to_measure;
     let pdf_emit = light.pdf_emit * params.emitter_survival * abs(dot(vertex.surface.ng, light.wi));
     let earlier = mis_earlier(config, vertex.mis, camera_previous_factor(config, path.depth + 2u, vertex.mis, vertex.ending),
-        scatter_pdf(vertex, light.wi, vertex.wo, TRANSPORT_IMPORTANCE));
+        terms.pdf_rev);
     return mis_weight_emitter(config, factor, pdf_hit, light.pdf, light.pdf, pdf_emit, earlier);
 }

@@ -127,10 +127,9 @@ fn light_point(light: Light, uv: vec2<f32>, direction: vec3<f32>) -> LightPoint 
     }
     let emitter = load_emitter(light.data, uv.x, uv.y);
     let surface = emitter.surface;
-    let material = emitter.material;
-    let emits_back = (material.flags & MATERIAL_EMITS_BACK) != 0u;
-    let inside = select(NONE, surface.material, bends(material));
-    return LightPoint(surface.position, surface.ng, uv, material.emission, emits_back, inside, light.pmf / light.measure);
+    let emits_back = (emitter.flags & MATERIAL_EMITS_BACK) != 0u;
+    let inside = select(NONE, surface.material, has_inside(emitter.flags));
+    return LightPoint(surface.position, surface.ng, uv, emitter.emission, emits_back, inside, light.pmf / light.measure);
 }
 
 fn is_environment(light: Light) -> bool {

@@ -24,10 +24,19 @@ fn load_raw_material(index: u32) -> RawMaterial {
     }
     let d = scene[at + 3u];
     let e = scene[at + 4u];
-    let f = scene[at + 5u];
-    let g = scene[at + 6u];
+    var f = vec4<f32>(0.0);
+    var g = vec4<f32>(0.0);
+    if (may_have(FEATURE_LAYERS | FEATURE_ANISOTROPY | FEATURE_CONDUCTOR)) {
+        f = scene[at + 5u];
+        g = scene[at + 6u];
+    }
     let rotation = vec2<f32>(sqrt(max(1.0 - g.w * g.w, 0.0)), g.w);
     return RawMaterial(kind, flags, a.xyz, b.xyz, b.w, d.xyz, d.w, e.xy, e.z, e.w, f, g.xyz, rotation);
+}
+
+/// Whether any of what it transmits has a density.
+fn transmits_density(index: u32) -> bool {
+    return (bitcast<u32>(scene[material_at(index) + 2u].w) & MATERIAL_TRANSMITS) != 0u;
 }
 
 /// The curves that `finish_material` asks for.

@@ -19,9 +19,8 @@ struct RawPoint {
     raw: RawMaterial,
 }
 
-/// The point at barycentric coordinates u and v of a triangle's second and third vertex.
-fn load_raw_point(id: u32, u: f32, v: f32) -> RawPoint {
-    let surface = load_surface(id, u, v);
+/// A point on a surface with its record.
+fn load_raw_point(surface: Surface) -> RawPoint {
     var raw = load_raw_material(surface.material);
     raw.color *= surface.color.xyz;
     let point = RawPoint(surface, raw);
@@ -32,9 +31,14 @@ fn load_raw_point(id: u32, u: f32, v: f32) -> RawPoint {
 }
 
 /// The same with all that scattering needs.
-fn load_shaded(id: u32, u: f32, v: f32) -> Shaded {
-    let point = load_raw_point(id, u, v);
+fn shade_surface(surface: Surface) -> Shaded {
+    let point = load_raw_point(surface);
     return Shaded(point.surface, finish_material(point.raw, load_albedos(point.raw)));
+}
+
+/// The point at barycentric coordinates u and v of a triangle's second and third vertex.
+fn load_shaded(id: u32, u: f32, v: f32) -> Shaded {
+    return shade_surface(load_surface(id, u, v));
 }
 
 /// A point's record times what its textures say there, and its normal bent by the map. One loop over the
@@ -118,12 +122,23 @@ fn bend_normal(plain: Surface, rgb: vec3<f32>, texture: u32) -> Surface {
     return surface;
 }
 
-/// A point of a light, its emission times how much of the surface is there: a point drawn on a hole emits
-/// nothing. (A ray that hits a light has met what is there.)
-fn load_emitter(id: u32, u: f32, v: f32) -> Shaded {
-    var shaded = load_shaded(id, u, v);
-    if ((shaded.material.flags & MATERIAL_CUTOUT) != 0u) {
-        shaded.material.emission *= coverage(shaded.surface);
+/// A point of a light that is a triangle.
+struct Emitter {
+    surface: Surface,
+    /// Times how much of the surface is there: a point drawn on a hole emits nothing. (A ray that hits a
+    /// light has met what is there.)
+    emission: vec3<f32>,
+    flags: u32,
+}
+
+fn load_emitter(id: u32, u: f32, v: f32) -> Emitter {
+    let surface = load_surface(id, u, v);
+    let at = material_at(surface.material);
+    var emission = scene[at + 1u].xyz;
+    let flags = bitcast<u32>(scene[at + 2u].w);
+    if (may_have(FEATURE_TEXTURED_LIGHTS) && (flags & (MATERIAL_TEXTURED | MATERIAL_CUTOUT)) != 0u) {
+        let rgba = slot_rgba(surface.material, SLOT_EMISSION, surface.uv0, surface.uv1);
+        emission = max(emission * rgba.xyz, vec3<f32>(0.0)) * coverage(surface);
     }
-    return shaded;
+    return Emitter(surface, emission, flags);
 }

@@ -28,10 +28,10 @@ fn arrive(path: Path, hit: Hit) -> Vertex {
         state, q, ending_chance(config, q));
 }
 
-/// Density of a vertex's scattering from one direction into another, per solid angle, with survival, by
-/// the mode of the path that comes from the first.
-fn scatter_pdf(vertex: Vertex, from_direction: vec3<f32>, to_direction: vec3<f32>, mode: u32) -> f32 {
-    return vertex.survival * bsdf_pdf(vertex.material, frame_of(vertex.surface), from_direction, to_direction, mode);
+/// What a vertex scatters from one direction into another, densities with survival.
+fn scatter_terms(vertex: Vertex, wi: vec3<f32>, mode: u32) -> BsdfTerms {
+    let terms = bsdf_terms(vertex.material, frame_of(vertex.surface), vertex.wo, wi, mode);
+    return BsdfTerms(terms.f, vertex.survival * terms.pdf_fwd, vertex.survival * terms.pdf_rev);
 }
 
 /// The geometric normal on a direction's side.
@@ -61,7 +61,7 @@ fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> 
         next.mis = mis_scatter_delta(config, vertex.mis, cos_out, vertex.ending);
     } else {
         let pdf_fwd = scattered.pdf * vertex.survival;
-        let pdf_rev = scatter_pdf(vertex, scattered.wi, vertex.wo, TRANSPORT_IMPORTANCE - mode);
+        let pdf_rev = scattered.pdf_rev * vertex.survival;
         next.mis = mis_scatter(config, vertex.mis, factor, cos_out, pdf_fwd, pdf_rev, vertex.ending);
     }
     next.throughput = vertex.throughput * weight;

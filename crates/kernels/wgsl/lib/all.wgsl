@@ -17,6 +17,7 @@
 #include "lib/bsdf_metallic.wgsl"
 #include "lib/bsdf_lobes.wgsl"
 #include "lib/bsdf_leaning.wgsl"
+#include "lib/bsdf_terms.wgsl"
 #include "lib/bsdf_diffuse.wgsl"
 #include "lib/bsdf_sampling.wgsl"
 #include "lib/bsdf.wgsl"

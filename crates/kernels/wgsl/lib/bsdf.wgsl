@@ -1,10 +1,10 @@
 // Surface scattering: sample, evaluate, density, in both transport modes.
 //
 // Directions wo and wi are unit and point away from the surface; wo towards the vertex that the
-// subpath came from. bsdf_eval is relative to the geometry: what arrives is to be multiplied by the
+// subpath came from. f is relative to the geometry: what arrives is to be multiplied by the
 // cosine of wi to ng, in both modes; shading normals are in it. So f_radiance(wo, wi) =
 // f_importance(wi, wo), always; where normals do not lean, f(wo, wi) = f(wi, wo) for reflection.
-// Densities are per solid angle, without roulette. A delta lobe has eval and pdf 0: only bsdf_sample
+// Densities are per solid angle, without roulette. A delta lobe has f and pdf 0: only bsdf_sample
 // reaches it. A material may have delta lobes and others at once: then pdf integrates to the chance of
 // the others.
 
@@ -22,6 +22,8 @@ struct BsdfSample {
     wi: vec3<f32>,
     /// Density per solid angle; 1 for a delta lobe, 0 if nothing was sampled.
     pdf: f32,
+    /// That of wo given wi, on a path of the other mode; 0 for a delta lobe.
+    pdf_rev: f32,
     /// f |cos_g(wi)| / pdf in the mode asked for.
     weight: vec3<f32>,
     is_delta: bool,
@@ -30,7 +32,7 @@ struct BsdfSample {
 }
 
 fn no_sample() -> BsdfSample {
-    return BsdfSample(vec3<f32>(0.0, 0.0, 1.0), 0.0, vec3<f32>(0.0), false, false);
+    return BsdfSample(vec3<f32>(0.0, 0.0, 1.0), 0.0, 0.0, vec3<f32>(0.0), false, false);
 }
 
 /// Whether any of its lobes is no delta, so that it can be joined to.
@@ -60,43 +62,31 @@ fn absorbs(material: Material, frame: Frame, wo: vec3<f32>) -> bool {
     return (material.flags & MATERIAL_FRONT_ONLY) != 0u && dot(frame.ng, wo) <= 0.0;
 }
 
-/// f(wo, wi), per steradian, times the light's cosine to the shading normal over that to ng; 0 for
-/// delta lobes.
-fn bsdf_eval(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> vec3<f32> {
-    let to_camera = select(wi, wo, mode == TRANSPORT_RADIANCE);
-    let to_light = select(wo, wi, mode == TRANSPORT_RADIANCE);
+/// f(wo, wi), per steradian, times the light's cosine to the shading normal over that to ng, and the
+/// densities of wi given wo and, by the other mode, of wo given wi; 0 for delta lobes.
+fn bsdf_terms(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> BsdfTerms {
+    let radiance = mode == TRANSPORT_RADIANCE;
+    let to_camera = select(wi, wo, radiance);
+    let to_light = select(wo, wi, radiance);
     let cos_light = abs(dot(frame.ng, to_light));
-    if (!is_connectible(material) || absorbs(material, frame, wo) || cos_light == 0.0) {
-        return vec3<f32>(0.0);
+    if (!is_connectible(material) || absorbs(material, frame, wo) || absorbs(material, frame, wi)
+        || cos_light == 0.0 || dot(frame.ng, to_camera) == 0.0) {
+        return no_terms();
     }
+    var terms = no_terms();
     if (is_diffuse(material)) {
-        return material.reflectance * (diffuse_lobes(frame, to_camera, to_light, 1.0, share_cut_off(dot(frame.ng, frame.ns))) / cos_light);
+        terms = diffuse_terms(material, frame, to_camera, to_light);
+    } else {
+        terms = interface_terms(material, frame, to_camera, to_light);
     }
-    let seen = see_from(material, frame, to_camera);
-    return eval_leaning(material, seen, to_camera * seen.basis, to_light * seen.basis) / cos_light;
-}
-
-/// Density of wi given wo, per solid angle; 0 for delta lobes. By the mode of the path that comes from
-/// wo: the reverse of a camera path's scattering is a light path's.
-fn bsdf_pdf(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> f32 {
-    let cos_g = dot(frame.ng, wi);
-    let reflects = cos_g * dot(frame.ng, wo) > 0.0;
-    if (!is_connectible(material) || absorbs(material, frame, wo) || cos_g == 0.0) {
-        return 0.0;
-    }
-    if (is_diffuse(material)) {
-        return diffuse_pdf(frame, wo, wi, mode);
-    }
-    let seen = see_from(material, frame, wo);
-    let stray = stray_chance(material, frame, mode);
-    return mix(leaning_pdf(material, seen, wo * seen.basis, wi * seen.basis, mode),
-        stray_share(material, reflects) * abs(cos_g) * INV_PI, stray);
+    return BsdfTerms(terms.f / cos_light, select(terms.pdf_rev, terms.pdf_fwd, radiance),
+        select(terms.pdf_fwd, terms.pdf_rev, radiance));
 }
 
 /// Draws wi for wo. u: two numbers for a direction and one for a choice of lobe.
 fn bsdf_sample(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>, mode: u32) -> BsdfSample {
     if (material.kind == SURFACE_NULL) {
-        return BsdfSample(-wo, 1.0, vec3<f32>(1.0), true, true);
+        return BsdfSample(-wo, 1.0, 0.0, vec3<f32>(1.0), true, true);
     }
     if (absorbs(material, frame, wo)) {
         return no_sample();

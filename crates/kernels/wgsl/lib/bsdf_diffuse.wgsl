@@ -22,6 +22,14 @@ fn diffuse_pdf(frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> f32 {
     return diffuse_lobes(frame, wo, wi, 1.0 - share, share);
 }
 
+/// f times the light's cosine, and the densities of the light's direction on a camera path (pdf_fwd) and
+/// of the camera's on a light path (pdf_rev).
+fn diffuse_terms(material: Material, frame: Frame, to_camera: vec3<f32>, to_light: vec3<f32>) -> BsdfTerms {
+    let lobes = diffuse_lobes(frame, to_camera, to_light, 1.0, share_cut_off(dot(frame.ng, frame.ns)));
+    return BsdfTerms(material.reflectance * lobes, diffuse_pdf(frame, to_camera, to_light, TRANSPORT_RADIANCE),
+        diffuse_pdf(frame, to_light, to_camera, TRANSPORT_IMPORTANCE));
+}
+
 fn sample_diffuse(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>, mode: u32) -> BsdfSample {
     let side = select(-1.0, 1.0, dot(frame.ng, wo) > 0.0);
     let n = side * select(frame.ns, frame.ng, u.z < diffuse_share_about_ng(frame, mode));
@@ -34,5 +42,6 @@ fn sample_diffuse(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>,
     let cut_off = share_cut_off(dot(frame.ng, frame.ns));
     let f = diffuse_lobes(frame, select(wi, wo, radiance), select(wo, wi, radiance), 1.0, cut_off)
         * adjoint_cosines(frame, wo, wi, mode);
-    return BsdfSample(wi, pdf, material.reflectance * (f / pdf), false, false);
+    let pdf_rev = diffuse_pdf(frame, wi, wo, TRANSPORT_IMPORTANCE - mode);
+    return BsdfSample(wi, pdf, pdf_rev, material.reflectance * (f / pdf), false, false);
 }

@@ -67,45 +67,6 @@ fn local_basis(material: Material, frame: Frame, n: vec3<f32>, side: f32) -> mat
     return mat3x3<f32>(along, cross(n, along), n);
 }
 
-/// f times the cosine to n, of local directions: wo to the camera, wi to the light.
-fn eval_leaning(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    let cos_g = dot(seen.ng, wi);
-    let reflects = cos_g > 0.0;
-    let mirrored = folded(seen.ng, wi);
-    let n_lobes = select(1u, 2u, (mirrored.z > 0.0) == reflects);
-    var f = vec3<f32>(0.0);
-    var w = wi;
-    for (var i = 0u; i < n_lobes; i += 1u) {
-        if (w.z < 0.0 && !reflects) {
-            f -= w.z * eval_transmitted(material, seen.front, wo, w);
-        }
-        if (w.z > 0.0 && reflects) {
-            f += w.z * eval_reflected(material, seen.front, wo, w);
-        }
-        w = mirrored;
-    }
-    if (reflects) {
-        f += eval_bases(material, seen, wo, wi, cos_g);
-    }
-    return f;
-}
-
-/// Cosine lobes about n, and what is cut off of them, as bright as where it is lost: within the lean
-/// of the horizon.
-fn eval_bases(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>, cos_g: f32) -> vec3<f32> {
-    let up = max(wi.z, 0.0);
-    var f = up * eval_base(material, seen.front, wo, vec3<f32>(wi.xy, up));
-    if (up > 0.0 && has_layers(material, seen.front)) {
-        f += up * eval_sheen(material, wo, wi);
-    }
-    let back = share_cut_off(seen.ng.z);
-    if (back > 1e-6) {
-        let near_horizon = 0.5 * sqrt(max(1.0 - seen.ng.z * seen.ng.z, 0.0));
-        f += back * cos_g * eval_base(material, seen.front, wo, vec3<f32>(wi.xy, near_horizon));
-    }
-    return f;
-}
-
 /// How much of a light path's density is a cosine lobe about ng, so that it reaches the cameras that
 /// lobes about n(light) do not.
 fn stray_chance(material: Material, frame: Frame, mode: u32) -> f32 {
@@ -125,27 +86,6 @@ fn stray_share(material: Material, reflects: bool) -> f32 {
 /// bounded where the cosine to ns is small.
 fn share_about_ng(seen: Seen, mode: u32) -> f32 {
     return select(share_cut_off(seen.ng.z), 1.0, mode == TRANSPORT_IMPORTANCE);
-}
-
-/// Density of the lobes, of local directions; delta lobes left out.
-fn leaning_pdf(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> f32 {
-    let chances = lobe_chances(material, seen.front, wo.z);
-    let cos_g = dot(seen.ng, wi);
-    let reflects = cos_g > 0.0;
-    let mirrored = folded(seen.ng, wi);
-    let n_lobes = select(1u, 2u, (mirrored.z > 0.0) == reflects);
-    var pdf = 0.0;
-    if (reflects) {
-        pdf = chances.reflected * INV_PI * mix(max(wi.z, 0.0), cos_g, share_about_ng(seen, mode));
-    }
-    var w = wi;
-    for (var i = 0u; i < n_lobes; i += 1u) {
-        if (w.z != 0.0 && (w.z > 0.0) == reflects) {
-            pdf += lobes_pdf(material, seen.front, chances, wo, w);
-        }
-        w = mirrored;
-    }
-    return pdf;
 }
 
 /// A perfect reflection.
@@ -170,8 +110,11 @@ fn mirror_leaning(frame: Frame, wo: vec3<f32>, u: f32, mode: u32) -> Mirrored {
     let second = 2.0 * dot(frame.ns, start) * frame.ns - start;
     let is_second = dot(frame.ng, second) * side > 0.0;
     let chance = select(0.0, select(1.0, 0.5, is_first && is_second), is_first || is_second);
-    let wi = select(first, second, is_second && (!is_first || u < 0.5));
-    return Mirrored(wi, facing(frame, wi), chance);
+    let takes_second = is_second && (!is_first || u < 0.5);
+    // The cosine of what is mirrored, not of where it went, whose rounding Fresnel's factors magnify near
+    // the critical angle.
+    let cosine = saturate(sign(side) * dot(frame.ns, select(wo, start, takes_second)));
+    return Mirrored(select(first, second, takes_second), cosine, chance);
 }
 
 /// Cosine to ns on the direction's side; 0 where ns faces away.

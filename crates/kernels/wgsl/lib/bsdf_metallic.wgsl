@@ -60,22 +60,18 @@ fn metallic_bounces(raw: RawMaterial, plain: Material) -> Material {
     return thin_bounces(material, mean, transmits);
 }
 
-/// What the coat and the sheen let through, at a cosine.
-fn metallic_layers(material: Material, mu: f32) -> f32 {
-    if (!may_have(FEATURE_LAYERS)) {
-        return 1.0;
-    }
-    return coat_through(material, mu) * (1.0 - max3(material.sheen) * curve_at(material.curves.sheen, mu));
+/// What the coat and the sheen let through, by the coat's part and the albedo of a sheen of colour 1.
+fn layers_through(material: Material, under_coat: f32, sheen: f32) -> f32 {
+    return under_coat * (1.0 - max3(material.sheen) * sheen);
 }
 
-/// The same for the interface between two directions, symmetric. Between mirrored directions of
-/// narrow lobes min(S, S'), for lobes as wide as the hemisphere S S' / mean S: each lets through S.
-fn layers_between(material: Material, mu_o: f32, mu_i: f32) -> f32 {
+/// What the coat and the sheen let through to the interface between two directions, by what they let
+/// through at each; symmetric. Between mirrored directions of narrow lobes min(S, S'), for lobes as wide
+/// as the hemisphere S S' / mean S: each lets through S.
+fn layers_between(material: Material, o: f32, i: f32) -> f32 {
     if (!may_have(FEATURE_LAYERS)) {
         return 1.0;
     }
-    let o = metallic_layers(material, mu_o);
-    let i = metallic_layers(material, mu_i);
     let width = saturate(1.5 * mean_alpha(material.alpha));
     return o * i / max(mix(max(o, i), material.layers_mean, width), 1e-4);
 }
@@ -99,28 +95,27 @@ fn coat_through(material: Material, mu: f32) -> f32 {
     return 1.0 - coat_fresnel(material, mu);
 }
 
-/// What reaches the base, at a cosine.
-fn metallic_through(material: Material, mu: f32) -> vec3<f32> {
+/// What the interface lets through to the base, at a cosine with the loss there.
+fn metallic_through(material: Material, mu: f32, loss: f32) -> vec3<f32> {
     let f90 = vec3<f32>(material.base_f90);
     var reflected = fresnel_schlick_to(material.base_f0, f90, mu);
     if (!is_smooth(material) && !bends(material)) {
-        let loss = curve_at(material.curves.a, mu);
         let grazing = curve_at(material.curves.b, mu);
         reflected = material.base_f0 * (1.0 - loss - grazing) + f90 * grazing + material.base_ms * loss;
     }
-    return metallic_layers(material, mu) * max(vec3<f32>(1.0) - reflected, vec3<f32>(0.0));
+    return max(vec3<f32>(1.0) - reflected, vec3<f32>(0.0));
 }
 
-/// Its mean over the hemisphere, weighted by the cosine, and of layers alone (w), by Gauss and
-/// Legendre's rule in the square of the cosine (4 points).
+/// What reaches the base, on average over the hemisphere, weighted by the cosine, and of layers alone (w),
+/// by Gauss and Legendre's rule in the square of the cosine (4 points).
 fn metallic_through_mean(material: Material) -> vec4<f32> {
     var sum = vec4<f32>(0.0);
     for (var i = 0u; i < 4u; i += 1u) {
         let outer = i < 2u;
         let near = select(0.330009478, 0.0694318442, outer);
         let square = select(near, 1.0 - near, (i & 1u) != 0u);
-        let mu = sqrt(square);
-        sum += select(0.326072577, 0.173927423, outer) * vec4<f32>(metallic_through(material, mu), metallic_layers(material, mu));
+        let met = aspect_at(material, true, vec3<f32>(0.0, 0.0, sqrt(square)));
+        sum += select(0.326072577, 0.173927423, outer) * vec4<f32>(met.through, met.layers);
     }
     return sum;
 }

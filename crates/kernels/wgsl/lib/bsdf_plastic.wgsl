@@ -27,11 +27,11 @@ fn finish_plastic(raw: RawMaterial, plain: Material) -> Material {
     return material;
 }
 
-/// What the coat lets through.
-fn plastic_through(material: Material, mu: f32) -> vec3<f32> {
+/// What the coat lets through, at a cosine with the loss there.
+fn plastic_through(material: Material, mu: f32, loss: f32) -> vec3<f32> {
     if (is_smooth(material)) {
         return vec3<f32>(1.0 - fresnel_dielectric(mu, material.ior).x);
     }
-    let coat = curve_at(material.curves.b, mu) + material.base_ms.x * curve_at(material.curves.a, mu);
+    let coat = curve_at(material.curves.b, mu) + material.base_ms.x * loss;
     return vec3<f32>(max(1.0 - coat, 0.0));
 }

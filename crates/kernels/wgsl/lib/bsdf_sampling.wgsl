@@ -10,7 +10,8 @@ fn sample_lobes(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>, m
     } else {
         let seen = see_from(material, frame, wo);
         let local_o = wo * seen.basis;
-        let chances = lobe_chances(material, seen.front, local_o.z);
+        let met = aspect_at(material, seen.front, local_o);
+        let chances = lobe_chances(material, seen.front, local_o.z, met);
         let rest = among - chances.facets;
         if (rest < 0.0 && is_smooth(material)) {
             return sample_smooth(material, frame, wo, among / chances.facets, (1.0 - stray) * chances.facets, mode);
@@ -48,13 +49,13 @@ fn draw_local(material: Material, seen: Seen, chances: Lobes, wo: vec3<f32>, u: 
 
 /// A direction drawn from a density, with the sum of all lobes; wi is 0 for none.
 fn finish_sample(material: Material, frame: Frame, wo: vec3<f32>, wi: vec3<f32>, mode: u32) -> BsdfSample {
-    let pdf = bsdf_pdf(material, frame, wo, wi, mode);
-    let cos_g = dot(frame.ng, wi);
-    if (pdf <= 0.0 || cos_g == 0.0) {
+    let terms = bsdf_terms(material, frame, wo, wi, mode);
+    if (terms.pdf_fwd <= 0.0) {
         return no_sample();
     }
-    let f = bsdf_eval(material, frame, wo, wi, mode);
-    return BsdfSample(wi, pdf, f * (abs(cos_g) / pdf), false, cos_g * dot(frame.ng, wo) < 0.0);
+    let cos_g = dot(frame.ng, wi);
+    let weight = terms.f * (abs(cos_g) / terms.pdf_fwd);
+    return BsdfSample(wi, terms.pdf_fwd, terms.pdf_rev, weight, false, cos_g * dot(frame.ng, wo) < 0.0);
 }
 
 fn sample_stray(material: Material, frame: Frame, wo: vec3<f32>, u: vec2<f32>, choice: f32) -> vec3<f32> {
@@ -90,7 +91,7 @@ fn sample_smooth_coat(material: Material, frame: Frame, wo: vec3<f32>, u: f32, c
     }
     let reflected = coat_fresnel(material, mirrored.cosine);
     let weight = reflected * adjoint_cosines(frame, wo, mirrored.wi, mode) / (chance * mirrored.chance); // > 0: it was chosen
-    return BsdfSample(mirrored.wi, 1.0, vec3<f32>(weight), true, false);
+    return BsdfSample(mirrored.wi, 1.0, 0.0, vec3<f32>(weight), true, false);
 }
 
 /// A smooth interface seen from a direction.
@@ -100,12 +101,11 @@ struct SmoothInterface {
     through: vec3<f32>,
 }
 
-/// What would be refracted to the side that it comes from is reflected; so is all where the shading
-/// normal faces away, as at grazing.
-fn smooth_interface(material: Material, frame: Frame, w: vec3<f32>) -> SmoothInterface {
+/// By the direction and its cosine to ns (`facing`). What would be refracted to the side that it comes
+/// from is reflected; so is all where the shading normal faces away, as at grazing.
+fn smooth_interface(material: Material, frame: Frame, w: vec3<f32>, cos_o: f32) -> SmoothInterface {
     let front = dot(frame.ng, w) > 0.0;
     let n = select(-frame.ns, frame.ns, front);
-    let cos_o = saturate(dot(n, w));
     let split = interface_split(material, front, cos_o);
     if (!bends(material)) {
         return SmoothInterface(split, -w);
@@ -122,7 +122,8 @@ fn smooth_interface(material: Material, frame: Frame, w: vec3<f32>) -> SmoothInt
 /// importance is not (Veach 1997, section 5.2).
 fn sample_smooth(material: Material, frame: Frame, wo: vec3<f32>, choice: f32, chance: f32, mode: u32) -> BsdfSample {
     let front = dot(frame.ng, wo) > 0.0;
-    let at = smooth_interface(material, frame, wo);
+    let cos_o = facing(frame, wo);
+    let at = smooth_interface(material, frame, wo, cos_o);
     let reflects = reflection_chance(at.split);
     if (reflects == 0.0 && max3(at.split.transmitted) == 0.0) {
         return no_sample();
@@ -130,10 +131,9 @@ fn sample_smooth(material: Material, frame: Frame, wo: vec3<f32>, choice: f32, c
     if (choice < reflects) {
         return sample_smooth_reflection(material, frame, wo, choice / reflects, chance * reflects, mode);
     }
-    let cos_o = facing(frame, wo);
     if (!bends(material)) {
         let weight = at.split.transmitted * (layers_over(material, front, cos_o) / (chance * (1.0 - reflects)));
-        return BsdfSample(-wo, 1.0, weight, true, true);
+        return BsdfSample(-wo, 1.0, 0.0, weight, true, true);
     }
     let eta = relative_index(material, front);
     let cos_t = abs(dot(frame.ns, at.through));
@@ -141,7 +141,7 @@ fn sample_smooth(material: Material, frame: Frame, wo: vec3<f32>, choice: f32, c
     let adjoint = adjoint_cosines(frame, wo, at.through, mode) * (cos_o / max(cos_t, 1e-20));
     let scale = select(adjoint, 1.0 / (eta * eta), mode == TRANSPORT_RADIANCE);
     let layers = layers_over(material, true, select(cos_t, cos_o, front));
-    return BsdfSample(at.through, 1.0, at.split.transmitted * (scale * layers / (chance * (1.0 - reflects))), true, true);
+    return BsdfSample(at.through, 1.0, 0.0, at.split.transmitted * (scale * layers / (chance * (1.0 - reflects))), true, true);
 }
 
 fn sample_smooth_reflection(material: Material, frame: Frame, wo: vec3<f32>, u: f32, chance: f32, mode: u32) -> BsdfSample {
@@ -150,16 +150,16 @@ fn sample_smooth_reflection(material: Material, frame: Frame, wo: vec3<f32>, u: 
         return no_sample();
     }
     let to_camera = select(mirrored.wi, wo, mode == TRANSPORT_RADIANCE);
-    let split = smooth_interface(material, frame, to_camera).split;
+    let split = smooth_interface(material, frame, to_camera, mirrored.cosine).split;
     let layers = layers_over(material, dot(frame.ng, wo) > 0.0, mirrored.cosine);
     let weight = layers * adjoint_cosines(frame, wo, mirrored.wi, mode) / (chance * mirrored.chance);
-    return BsdfSample(mirrored.wi, 1.0, split.reflected * weight, true, false);
+    return BsdfSample(mirrored.wi, 1.0, 0.0, split.reflected * weight, true, false);
 }
 
 /// What covers a smooth interface, at a cosine.
 fn layers_over(material: Material, front: bool, mu: f32) -> f32 {
-    if (!is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS) || !has_layers(material, front)) {
+    if (!may_have(FEATURE_LAYERS) || material.kind != SURFACE_METALLIC_ROUGHNESS || !has_layers(material, front)) {
         return 1.0;
     }
-    return metallic_layers(material, mu);
+    return layers_through(material, coat_through(material, mu), curve_at(material.curves.sheen, mu));
 }

@@ -33,6 +33,8 @@ const FEATURE_INTERFACES: u32 = 16384u;
 const FEATURE_ROUGHNESS: u32 = 65536u;
 /// Rough ones of these that let light through.
 const FEATURE_TRANSMISSION: u32 = 131072u;
+/// Emissive surfaces whose emission has a texture, or that are not everywhere there.
+const FEATURE_TEXTURED_LIGHTS: u32 = 262144u;
 /// A table of pre-generated random numbers.
 const FEATURE_RANDOM_TABLE: u32 = 32768u;
 

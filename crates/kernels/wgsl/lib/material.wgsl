@@ -26,6 +26,8 @@ const MATERIAL_NONLINEAR: u32 = 32u;
 const MATERIAL_CONNECTIBLE: u32 = 64u;
 /// Light that meets a second facet is lost.
 const MATERIAL_SINGLE_BOUNCE: u32 = 128u;
+/// Some of what it transmits may have a density.
+const MATERIAL_TRANSMITS: u32 = 256u;
 
 /// A record: the scene's values, unchanged.
 struct RawMaterial {
@@ -152,7 +154,7 @@ fn needs_albedos(raw: RawMaterial) -> bool {
 /// Whether the curves of a solid dielectric are (a: loss at the front, b: at the back), in place of
 /// those of a mirror (a: loss; b: reflection of the coat for plastic, else CURVE_GRAZING).
 fn needs_dielectric_losses(raw: RawMaterial) -> bool {
-    return may_have(FEATURE_INSIDES) && (raw.flags & MATERIAL_INSIDE) != 0u;
+    return has_inside(raw.flags);
 }
 
 fn is_smooth(material: Material) -> bool {
@@ -164,9 +166,13 @@ fn bounces_on(material: Material) -> bool {
     return !is_smooth(material) && (material.flags & MATERIAL_SINGLE_BOUNCE) == 0u;
 }
 
+fn has_inside(flags: u32) -> bool {
+    return may_have(FEATURE_INSIDES) && (flags & MATERIAL_INSIDE) != 0u;
+}
+
 /// Whether what it transmits is bent, into an inside.
 fn bends(material: Material) -> bool {
-    return may_have(FEATURE_INSIDES) && (material.flags & MATERIAL_INSIDE) != 0u;
+    return has_inside(material.flags);
 }
 
 /// A material with nothing but what all kinds have.

@@ -20,16 +20,22 @@ fn ggx_stretched(alpha: vec2<f32>, w: vec3<f32>) -> f32 {
     return length(vec3<f32>(alpha * w.xy, w.z));
 }
 
-/// G₂(wo, wi) / |wo.z wi.z| = 1 / ((1 + Λ(wo) + Λ(wi)) |wo.z wi.z|), for directions on the same side
-/// and, as pbrt-v4 has it, on opposite ones.
-fn ggx_visibility(alpha: vec2<f32>, wo: vec3<f32>, wi: vec3<f32>) -> f32 {
-    let sum = ggx_stretched(alpha, wo) * abs(wi.z) + ggx_stretched(alpha, wi) * abs(wo.z);
-    return 2.0 / max(sum, 1e-30);
+/// Masking and shadowing of two directions, on the same side or, as pbrt-v4 has it, on opposite ones.
+struct Masking {
+    /// G₂(wo, wi) / |wo.z wi.z| = 1 / ((1 + Λ(wo) + Λ(wi)) |wo.z wi.z|).
+    visibility: f32,
+    /// G₁ / |z| of each; times D and the cosine to h it is the density of the normals seen from there.
+    seen_wo: f32,
+    seen_wi: f32,
 }
 
-/// G₁(wo) / wo.z; times D and wo·h it is the density of the normals seen from wo.
-fn ggx_seen(alpha: vec2<f32>, wo: vec3<f32>) -> f32 {
-    return 2.0 / (wo.z + ggx_stretched(alpha, wo)); // > 0: wo.z > 0
+fn ggx_masking(alpha: vec2<f32>, wo: vec3<f32>, wi: vec3<f32>) -> Masking {
+    let o = ggx_stretched(alpha, wo);
+    let i = ggx_stretched(alpha, wi);
+    let cos_o = abs(wo.z);
+    let cos_i = abs(wi.z);
+    // stretched directions are as long as their z at least, and wo.z > 0
+    return Masking(2.0 / max(o * cos_i + i * cos_o, 1e-30), 2.0 / (cos_o + o), 2.0 / max(cos_i + i, 1e-30));
 }
 
 /// A facet's normal as seen from wo, by spherical caps (Dupuy and Benyoub, "Sampling Visible GGX

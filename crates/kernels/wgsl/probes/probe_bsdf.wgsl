@@ -34,6 +34,8 @@ fn probe_bsdf(@builtin(global_invocation_id) id: vec3<u32>) {
     let sampled = bsdf_sample(material, frame, wo, u.xyz, mode);
     probe_output(id.x, 0u, vec4<f32>(sampled.wi, sampled.pdf));
     probe_output(id.x, 1u, vec4<f32>(sampled.weight, f32(sampled.is_delta) + 2.0 * f32(sampled.transmitted)));
-    probe_output(id.x, 2u, vec4<f32>(bsdf_eval(material, frame, wo, sampled.wi, mode), bsdf_pdf(material, frame, wo, sampled.wi, mode)));
-    probe_output(id.x, 3u, vec4<f32>(survival(material), adjoint_cosines(frame, wo, sampled.wi, mode), fresnel_dielectric(u.w, material.ior)));
+    let terms = bsdf_terms(material, frame, wo, sampled.wi, mode);
+    probe_output(id.x, 2u, vec4<f32>(terms.f, terms.pdf_fwd));
+    probe_output(id.x, 3u, vec4<f32>(survival(material), adjoint_cosines(frame, wo, sampled.wi, mode), terms.pdf_rev,
+        fresnel_dielectric(u.w, material.ior).x));
 }

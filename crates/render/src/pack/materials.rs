@@ -6,6 +6,7 @@ use midway_kernels::constants as k;
 use midway_scene::{ConductorFresnel, Material, MetallicRoughness, Roughness, Sides, Surface};
 
 use super::{Word4, word4};
+use crate::features::transmits_density;
 
 /// What a record holds, in the terms of `RawMaterial`.
 #[derive(Default)]
@@ -36,7 +37,8 @@ pub(super) fn albedo_tables() -> Vec<Word4> {
 pub(super) fn pack_material(material: &Material, slot_flags: u32) -> [Word4; k::MATERIAL_STRIDE as usize] {
     let record = record_of(&material.surface);
     let emits_back = if material.emits == Sides::Both { k::MATERIAL_EMITS_BACK } else { 0 };
-    let flags = record.flags | slot_flags | emits_back | front_only(material);
+    let transmits = if transmits_density(&material.surface) { k::MATERIAL_TRANSMITS } else { 0 };
+    let flags = record.flags | slot_flags | emits_back | front_only(material) | transmits;
     let [a, b] = record.roughness;
     let float4 = |v: [f32; 4]| v.map(f32::to_bits);
     let [x, y, z] = record.k_or_coat;
