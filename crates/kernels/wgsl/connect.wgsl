@@ -71,7 +71,7 @@ fn join(path: Path, vertex: Vertex, choice: Choice) {
     let weight = strategy_weight(stored.s, t, joined.mis_weight);
     let contribution = joined.contribution * (weight * choice.weight);
     if (contributes(contribution)) {
-        push_shadow_ray(path.index, offset_origin(vertex.surface.position, normal_towards(vertex.surface, joined.wi)),
+        push_shadow_ray(path.index, stored.group, offset_origin(vertex.surface.position, normal_towards(vertex.surface, joined.wi)),
             offset_origin(stored.position, normal_towards(y.surface, -joined.wi)), contribution);
     }
 }
@@ -82,5 +82,5 @@ fn join_emitter(path: Path, vertex: Vertex, stored: LightVertex, estimator: f32)
     let light = load_light(stored.link);
     let point = light_point(light, vec2<f32>(stored.u, stored.v), stored.wo);
     let factor = emitter_factor(config, ending_chance(config, params.emitter_survival), vertex.ending);
-    join_light(path, vertex, see_light(light, point, vertex.surface.position), factor, estimator);
+    join_light(path, vertex, light.group, see_light(light, point, vertex.surface.position), factor, estimator);
 }

@@ -47,7 +47,8 @@ fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let contribution = light_end_scatter(stored, vertex, wi) * medium_transmittance(medium, distance)
         * (cosine * pdf_camera / params.splat_factor * strategy_weight(stored.s, 1u, weight) * place.weight);
     if (contributes(contribution)) {
-        push_shadow_ray(place.pixel, offset_origin(stored.position, normal_of(vertex.surface, wi)), start, contribution);
+        push_shadow_ray(place.pixel, stored.group, offset_origin(stored.position, normal_of(vertex.surface, wi)), start,
+            contribution);
     }
 }
 

@@ -132,6 +132,7 @@ fn small_settings(settings: &RenderSettings) -> RenderSettings {
         height: side(settings.height),
         crop: None,
         aovs: Vec::new(),
+        light_groups: false,
         ..settings.clone()
     }
 }

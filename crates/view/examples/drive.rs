@@ -140,7 +140,7 @@ fn any_request(dice: &mut Dice, view: &Value) -> String {
         let join = ["full", "k-step", "single-step"][dice.roll(3) as usize];
         json!({ "integrator": integrator, "join": join, "k": 1 + dice.roll(9), "pool": dice.roll(2) == 0 })
     };
-    match dice.roll(24) {
+    match dice.roll(25) {
         0 => json!({ "type": "render", "method": method(dice) }),
         1 => json!({ "type": "split", "right": if dice.roll(2) == 0 { Value::Null } else { method(dice) } }),
         2 => json!({ "type": "render", "size": [64 + dice.roll(128), 64 + dice.roll(128)] }),
@@ -152,6 +152,7 @@ fn any_request(dice: &mut Dice, view: &Value) -> String {
         7 => json!({ "type": "pick", "x": 0.4, "y": 0.6 }),
         8 => json!({ "type": "render", "max_path_length": dice.roll(9) }),
         9 => json!({ "type": "environment", "strength": f64::from(dice.roll(3)), "rotation": 30 }),
+        11 => json!({ "type": "mix", "factors": if dice.roll(2) == 0 { Value::Null } else { json!([[1, 0.5, dice.roll(3)]]) } }),
         10 => return (0..dice.roll(300)).map(|_| char::from(b' ' + dice.roll(95) as u8)).collect(),
         angle => turned(view, f64::from(angle) / 10.0, angle),
     }

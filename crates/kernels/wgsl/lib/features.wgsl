@@ -35,6 +35,8 @@ const FEATURE_ROUGHNESS: u32 = 65536u;
 const FEATURE_TRANSMISSION: u32 = 131072u;
 /// A table of pre-generated random numbers.
 const FEATURE_RANDOM_TABLE: u32 = 32768u;
+/// What each group of lights adds to the image is kept apart.
+const FEATURE_LIGHT_GROUPS: u32 = 262144u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {
