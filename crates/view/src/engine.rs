@@ -301,6 +301,7 @@ impl Engine {
     /// # Errors
     /// If it does not fit.
     pub fn split(&mut self, right: Option<Method>) -> Result<(), ViewError> {
+        self.hold = Hold::new(hold_limits(&self.settings, self.hold_time));
         let Some(method) = right else {
             self.right = None;
             return Ok(());
@@ -406,7 +407,7 @@ impl Engine {
         let after = self.samples();
         let shows = if moving { before[0] != after[0] && before[1] != after[1] } else { before != after };
         if !shows {
-            self.put_off(moving, load, start.elapsed())?;
+            self.put_off(moving)?;
             return Ok(None);
         }
         self.previewed &= moving;
@@ -420,13 +421,11 @@ impl Engine {
         Ok(Some(pixels))
     }
 
-    /// A pass has outlasted its frame of `load`, whose `time` is over.
-    /// In motion it is given up for a smaller one; at rest it goes on, but where it is the first a small
-    /// picture is shown ahead.
-    fn put_off(&mut self, moving: bool, load: Load, time: Duration) -> Result<(), ViewError> {
+    /// A pass has outlasted its frame. In motion it is given up for the smallest there is; at rest it goes
+    /// on, but where it is the first a small picture is shown ahead.
+    fn put_off(&mut self, moving: bool) -> Result<(), ViewError> {
         if moving {
-            let done = self.pass_done().unwrap_or(1.0).max(1e-3);
-            self.hold.observe(Load { samples: 1, ..load }, time.div_f64(done));
+            self.hold = Hold::new(hold_limits(&self.settings, self.hold_time));
             return self.restart();
         }
         if self.left.renderer.samples() == 0 && !self.previewed {
@@ -583,7 +582,8 @@ impl Engine {
     /// Other settings for the picture, checked by its renderer, and what a split shares of them.
     fn change(&mut self, settings: RenderSettings) -> Result<(), ViewError> {
         let same_k = IntegratorSettings { k: self.settings.integrator.k, ..settings.integrator };
-        let is_other_method = same_k != self.settings.integrator;
+        let costs_other =
+            same_k != self.settings.integrator || settings.max_path_length != self.settings.max_path_length;
         if self.pass_done().is_some()
             && self.settings == (RenderSettings { integrator: same_k, ..settings.clone() })
         {
@@ -604,7 +604,7 @@ impl Engine {
         }
         self.settings = settings;
         let limits = hold_limits(&self.settings, self.hold_time);
-        if is_other_method {
+        if costs_other {
             self.hold = Hold::new(limits);
         } else {
             self.hold.set_limits(limits);
