@@ -58,7 +58,9 @@ fn scene() -> Scene {
     let world_from_camera = Mat4::from_translation(Vec3::new(0.0, 1.5, 5.0)) * Mat4::from_rotation_x(-0.15);
     Scene {
         cameras: vec![Camera::perspective(world_from_camera, 0.7)],
-        instances: (0..3).map(|mesh| Instance { mesh, world_from_mesh: Mat4::IDENTITY }).collect(),
+        instances: (0..3)
+            .map(|mesh| Instance { mesh, world_from_mesh: Mat4::IDENTITY, light_group: None })
+            .collect(),
         meshes: vec![floor, mirror, lamp],
         materials: vec![
             material("floor", grey(0.6)),

@@ -182,6 +182,33 @@ try {
     assert.equal(Number(await page.inputValue("#exposure")), 0);
   });
 
+  await step("lights are mixed without rendering anew", async () => {
+    const dim = (stops) => page.locator("#light-0").evaluate((slider, value) => {
+      slider.value = value;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+    }, stops);
+    const bright = (await seen()).mean;
+    await dim(-2);
+    await wait((least) => {
+      const count = Number(document.getElementById("f-samples").textContent.replace(/,/g, ""));
+      return count > least;
+    }, 8);
+    await page.waitForTimeout(1000);
+    const [mixed, before] = [(await seen()).mean, await samples()];
+    assert.ok(mixed < 0.7 * bright, `${mixed} of ${bright}`);
+    await dim(1);
+    await page.waitForTimeout(1500);
+    assert.ok((await seen()).mean > 1.1 * bright, "a stop up is brighter");
+    assert.ok(await samples() > before, "the samples were forgotten");
+    await page.locator("#lights").scrollIntoViewIfNeeded();
+    await shot("lights");
+    await page.click("#reset-lights");
+    assert.equal(await page.inputValue("#light-0"), "0");
+    await page.waitForTimeout(1500);
+    const reset = (await seen()).mean;
+    assert.ok(Math.abs(reset / bright - 1) < 0.1, `${reset} of ${bright}`);
+  });
+
   await step("two integrators stand side by side", async () => {
     await page.selectOption("#method", "1");
     await page.selectOption("#compare", "3");

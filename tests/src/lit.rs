@@ -43,7 +43,7 @@ fn floor() -> Scene {
 }
 
 fn lit_by(mut scene: Scene, kind: LightKind) -> Scene {
-    scene.lights.push(Light { name: String::new(), kind });
+    scene.lights.push(Light { name: String::new(), kind, group: None });
     scene
 }
 
@@ -289,7 +289,7 @@ pub fn room_with_all_lights() -> Scene {
         },
         LightKind::Directional { direction: Vec3::new(-0.8, -0.6, 0.0), irradiance: Vec3::splat(1.0) },
     ];
-    scene.lights.extend(lights.map(|kind| Light { name: String::new(), kind }));
+    scene.lights.extend(lights.map(|kind| Light { name: String::new(), kind, group: None }));
     add_sky(&mut scene);
     scene.cameras.push(camera(Vec3::new(0.7, 0.1, 0.9), Vec3::new(-0.6, -0.2, -0.6), 60.0));
     scene

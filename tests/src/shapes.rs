@@ -152,7 +152,11 @@ fn icosahedron() -> Shape {
 
 /// Adds a shape of one material.
 pub fn add(scene: &mut Scene, shape: Shape, material: Material) {
-    scene.instances.push(Instance { mesh: scene.meshes.len() as u32, world_from_mesh: Mat4::IDENTITY });
+    scene.instances.push(Instance {
+        mesh: scene.meshes.len() as u32,
+        world_from_mesh: Mat4::IDENTITY,
+        light_group: None,
+    });
     scene.meshes.push(Mesh {
         name: String::new(),
         positions: shape.positions,

@@ -27,6 +27,7 @@ pub fn to_json(scene: &Scene) -> Value {
     json!({
         "emissive_triangles_power": scene.emitted_power().to_array(),
         "lights": Value::from_iter(scene.lights.iter().map(one)),
+        "light_groups": Value::from_iter(scene.light_groups().names.iter().map(|name| &**name)),
         "environment": environment,
     })
 }
@@ -43,6 +44,9 @@ pub fn to_lines(scene: &Scene) -> Vec<String> {
         let name = if light.name.is_empty() { "(no name)" } else { &light.name };
         format!("  {index} {name}: {}, {}", kind_name(&light.kind), watts(light.kind.power(radius)))
     }));
+    if scene.has_light() {
+        lines.push(format!("  groups: {}", scene.light_groups().names.join(", ")));
+    }
     if let Some(environment) = &scene.environment {
         let image = scene.environment_image();
         let what = image.map_or_else(

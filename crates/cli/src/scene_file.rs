@@ -6,8 +6,9 @@ use midway_import::{NO_LIGHT, Warning, WarningKind};
 use midway_scene::Scene;
 
 use crate::{
+    args::LightGroupsArg,
     console,
-    status::{OrStatus, Outcome, Status},
+    status::{Failure, OrStatus, Outcome, Status},
 };
 
 /// A scene that can be rendered.
@@ -47,4 +48,19 @@ pub fn load(path: &Path) -> Outcome<LoadedScene> {
 /// Prints the warnings, each on a line.
 pub fn print_warnings(warnings: &[String]) {
     warnings.iter().for_each(|warning| console::warning(warning));
+}
+
+/// Puts lights into groups by their names.
+///
+/// # Errors
+/// [`Status::Usage`] where a name is no light's, with those that there are.
+pub fn group_lights(scene: &mut Scene, asked: Option<&LightGroupsArg>) -> Outcome {
+    let Some(LightGroupsArg(rules)) = asked else { return Ok(()) };
+    let known = scene.light_groups().names.join(", ");
+    match scene.group_lights(rules).first() {
+        Some(unknown) => {
+            Err(Failure::usage(format!("--light-groups: no light is called '{unknown}'; there are: {known}")))
+        }
+        None => Ok(()),
+    }
 }

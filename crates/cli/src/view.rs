@@ -25,10 +25,11 @@ const DEFAULT_HEIGHT: f32 = 512.0;
 /// With the [`Status`] of what went wrong.
 pub fn run(args: &ViewArgs) -> Outcome<Status> {
     let interrupt = Interrupt::install()?;
-    let (scene, name) = match &args.scene {
+    let (mut scene, name) = match &args.scene {
         Some(path) => (load(path)?, path.file_name().unwrap_or_default().to_string_lossy().into_owned()),
         None => (Scene::default(), "no scene".to_owned()),
     };
+    scene_file::group_lights(&mut scene, args.light_groups.as_ref())?;
     let reference = match &args.reference {
         Some(path) => Some(ExrFile::read(path)?.image()?),
         None => None,
@@ -37,7 +38,12 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
     let device = open_device(&args.device, &options).or_status(Status::Device)?;
     console::note(&format!("device: {} ({})", device.info().name, device.info().backend));
     let [width, height] = size(args, scene.cameras.first());
-    let settings = RenderSettings { width, height, ..RenderSettings::default() };
+    let settings = RenderSettings {
+        width,
+        height,
+        light_groups: args.light_groups.is_some(),
+        ..RenderSettings::default()
+    };
     let hold = Duration::from_millis(args.hold.into());
     let session =
         Session::start(Start { device, scene, name, settings, hold, reference }).map_err(failure)?;

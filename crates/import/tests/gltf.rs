@@ -2,7 +2,7 @@
 
 mod common;
 
-use std::f32::consts::FRAC_1_SQRT_2;
+use std::{f32::consts::FRAC_1_SQRT_2, sync::Arc};
 
 use common::{data_uri, load_json, triangle, triangle_bytes, triangle_with};
 use glam::{Vec3, vec3};
@@ -147,6 +147,28 @@ fn each_unused_thing_is_listed_once() {
     let place = "/materials/0/extensions/KHR_materials_iridescence";
     assert_eq!((unused.place.as_str(), unused.count), (place, 2));
     assert!(unused.to_string().contains("and 1 more"));
+}
+
+/// A node's name, or the `lightgroup` among its extras.
+#[test]
+fn groups_of_lights_have_names() {
+    let mut document = triangle();
+    document["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    document["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+    document["nodes"][0]["name"] = json!("Desk lamp");
+    let names = |document: &Value| {
+        let scene = import(document).scene;
+        (scene.instances[0].light_group.clone(), scene.lights[0].name.clone(), scene.light_groups().names)
+    };
+    let (instance, light, groups) = names(&document);
+    assert_eq!((instance.as_deref(), light.as_str()), (Some("Desk lamp"), "Desk lamp"));
+    assert_eq!(groups, [Arc::from("Desk lamp")]);
+    document["nodes"][0]["extras"] = json!({"lightgroup": "key"});
+    assert_eq!(names(&document).2, [Arc::from("key")]);
+    for other in [json!({"lightgroup": 3}), json!({"lightgroup": " "}), json!("key"), json!(null)] {
+        document["nodes"][0]["extras"] = other;
+        assert_eq!(names(&document).2, [Arc::from("Desk lamp")]);
+    }
 }
 
 #[test]

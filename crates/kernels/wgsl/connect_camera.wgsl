@@ -53,7 +53,7 @@ fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let contribution = terms.f * medium_transmittance(medium, distance)
         * (cosine * pdf_camera / params.splat_factor * strategy_weight(stored.s, 1u, weight) * place.weight);
     if (contributes(contribution)) {
-        push_shadow_ray(place.pixel, offset_origin(stored.position, normal_of(surface, wi)), start, contribution);
+        push_shadow_ray(place.pixel, stored.group, offset_origin(stored.position, normal_of(surface, wi)), start, contribution);
     }
 }
 

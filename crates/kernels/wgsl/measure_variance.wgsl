@@ -24,14 +24,14 @@ fn measure_variance(@builtin(global_invocation_id) invocation: vec3<u32>) {
         return;
     }
     for (var channel = 0u; channel < 3u; channel += 1u) {
-        add_pass(pixel * FILM_STRIDE + 2u * channel, pixel * MOMENTS_STRIDE + 3u * channel);
+        add_pass(film_sum(pixel, 2u * channel), pixel * MOMENTS_STRIDE + 3u * channel);
     }
 }
 
-/// `at`: the channel's words in moments; first_sample samples were done before the pass.
-fn add_pass(film_word: u32, at: u32) {
-    let low = atomicLoad(&film[film_word]);
-    let high = atomicLoad(&film[film_word + 1u]);
+/// `sum`: the channel's on the film; `at`: its words in moments; first_sample samples were done before the pass.
+fn add_pass(sum: vec2<u32>, at: u32) {
+    let low = sum.x;
+    let high = sum.y;
     let low_before = moments[at];
     let high_before = moments[at + 1u];
     moments[at] = low;

@@ -7,8 +7,9 @@
 
 @group(0) @binding(12) var<storage, read_write> image: array<vec4<f32>>;
 
-fn resolve_channel(word: u32, n_samples: f32) -> f32 {
-    return from_fixed(atomicLoad(&film[word]), atomicLoad(&film[word + 1u])) / n_samples;
+fn resolve_channel(pixel: u32, channel: u32, n_samples: f32) -> f32 {
+    let sum = film_sum(pixel, channel);
+    return from_fixed(sum.x, sum.y) / n_samples;
 }
 
 @compute @workgroup_size(64)
@@ -17,7 +18,6 @@ fn resolve(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (pixel >= params.n_pixels) {
         return;
     }
-    let at = pixel * FILM_STRIDE;
     let n_samples = f32(max(params.first_sample, 1u)); // samples so far
-    image[pixel] = vec4<f32>(resolve_channel(at, n_samples), resolve_channel(at + 2u, n_samples), resolve_channel(at + 4u, n_samples), 1.0);
+    image[pixel] = vec4<f32>(resolve_channel(pixel, 0u, n_samples), resolve_channel(pixel, 2u, n_samples), resolve_channel(pixel, 4u, n_samples), 1.0);
 }

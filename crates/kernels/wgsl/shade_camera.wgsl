@@ -88,7 +88,7 @@ fn add_emission(path: Path, vertex: Vertex, t: u32) {
         let factor = emitter_factor(config, ending_y, vertex.mis.ending);
         weight = mis_weight_hit(config, vertex.mis, factor, pdf_position, pdf_emission);
     }
-    film_add(path.index, vertex.throughput * radiance * strategy_weight(0u, t, weight));
+    film_add(path.index, group_of_light(vertex.surface.light), vertex.throughput * radiance * strategy_weight(0u, t, weight));
 }
 
 /// Strategy (0, t) at infinity, before any arrival: densities are per solid angle.
@@ -105,8 +105,8 @@ fn add_environment(path: Path) {
         let factor = emitter_factor(config, ending_chance(config, params.emitter_survival), path.mis.ending);
         weight = mis_weight_hit(config, path.mis, factor, pdf_direct, pdf_emission);
     }
-    film_add(path.index, path.throughput * medium_transmittance(path.medium, F32_MAX) * seen.radiance
-        * strategy_weight(0u, t, weight));
+    film_add(path.index, group_of_light(environment.light),
+        path.throughput * medium_transmittance(path.medium, F32_MAX) * seen.radiance * strategy_weight(0u, t, weight));
 }
 
 /// Strategy (1, t): a point on a light drawn for this vertex.
@@ -114,5 +114,5 @@ fn sample_light(path: Path, vertex: Vertex) {
     let u = random(path.index, path.sample, dimension(DRAW_NEE, path.depth));
     let light = load_light(pick_light(u.x));
     let point = draw_light_point(light, u.yz, path.index, path.sample, dimension(DRAW_ENVIRONMENT, path.depth));
-    join_light(path, vertex, see_light(light, point, vertex.surface.position), 1.0, 1.0);
+    join_light(path, vertex, light.group, see_light(light, point, vertex.surface.position), 1.0, 1.0);
 }

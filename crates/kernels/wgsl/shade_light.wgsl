@@ -38,7 +38,7 @@ fn shade(id: u32, path: Path) -> bool {
     }
     let connectible = is_connectible(vertex.material);
     let stored = LightVertex(vertex.surface.position, hit.triangle, vertex.throughput, vertex.mis.dvcm,
-        vertex.wo, vertex.mis.dvc, hit.u, hit.v, bitcast<u32>(vertex.mis.ending), s);
+        vertex.wo, vertex.mis.dvc, hit.u, hit.v, bitcast<u32>(vertex.mis.ending), s, light_path_group(path));
     if (connectible) {
         keep_light_vertex(path, stored);
     }

@@ -21,8 +21,8 @@ fn trace_shadow(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     let at = index * SHADOW_STRIDE;
     let start = shadow_rays[at];
-    let segment = shadow_rays[at + 1u].xyz;
-    if (!any_hit(start.xyz, segment, SEGMENT_END)) {
-        film_add(bitcast<u32>(start.w), shadow_rays[at + 2u].xyz);
+    let segment = shadow_rays[at + 1u];
+    if (!any_hit(start.xyz, segment.xyz, SEGMENT_END)) {
+        film_add(bitcast<u32>(start.w), bitcast<u32>(segment.w), shadow_rays[at + 2u].xyz);
     }
 }

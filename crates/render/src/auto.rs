@@ -152,6 +152,7 @@ fn small_settings(settings: &RenderSettings, n_pixels: f64) -> RenderSettings {
         height: side(settings.height),
         crop: None,
         aovs: Vec::new(),
+        light_groups: false,
         ..settings.clone()
     }
 }

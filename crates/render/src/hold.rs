@@ -85,6 +85,12 @@ impl Hold {
         self.load
     }
 
+    /// Whether the next frame's load is the smallest that there is.
+    pub fn is_least(&self) -> bool {
+        let Load { k, samples, scale } = self.load;
+        k <= self.limits.least_k && samples == 1 && scale <= self.limits.least_scale
+    }
+
     /// Changes what may be chosen, and keeps what is known of costs.
     pub fn set_limits(&mut self, limits: HoldLimits) {
         self.limits = limits;

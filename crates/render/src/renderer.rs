@@ -1,6 +1,7 @@
 //! The renderer: schedules samples as passes, and passes as batches over the device's lanes.
 
 mod display;
+mod groups;
 mod live;
 
 use std::{
@@ -8,7 +9,7 @@ use std::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicBool, AtomicU32, Ordering},
     },
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use midway_device::{BoundKernel, Buffer, BufferUsage, Device, DeviceKind, MemoryPlan};
@@ -62,6 +63,15 @@ struct Batch {
     n_places: u32,
 }
 
+/// A pass that is not over: the film holds some of its samples.
+struct Pass {
+    params: Params,
+    n_samples: u32,
+    n_places: u32,
+    /// Places that are on the film: all before this one.
+    next: u32,
+}
+
 /// Renders one scene with one set of settings, progressively.
 pub struct Renderer {
     device: Arc<dyn Device>,
@@ -77,9 +87,12 @@ pub struct Renderer {
     aovs: Aovs,
     mean_light_vertices: f32,
     samples: u64,
+    pass: Option<Pass>,
     /// What lanes counted that are no more.
     carried: LaneTotals,
     encoder: Option<display::Encoder>,
+    mixer: Option<groups::Mixer>,
+    shown_mix: Vec<[f32; 3]>,
     kept: Kept,
     /// Paths in flight of the next batch, by how long the last ones took.
     batch: AtomicU32,
@@ -115,19 +128,15 @@ impl Renderer {
         let packed = PackedScene::new(scene, camera, settings.rng.table())?;
         let n_pixels = n_pixels(&settings);
         let scene_plan = plan_scene(&packed);
-        plan_shared(&scene_plan, &settings, n_pixels).check(device.info())?;
-        let pool_kernels = settings.integrator.uses_pool().then_some(POOL_KERNELS);
-        let names: Vec<&'static str> = LaneUses::of(&settings)
-            .kernels()
-            .chain(pool_kernels.into_iter().flatten())
-            .chain(["resolve"])
-            .collect();
-        let pipelines = Pipelines::load(&*device, packed.features, &names)?;
+        let n_groups = if settings.light_groups { packed.light_groups.len() as u32 } else { 1 };
+        plan_shared(&scene_plan, &settings, n_pixels, n_groups).check(device.info())?;
+        let pipelines = load_kernels(&*device, &packed, &settings)?;
         let mut shared = upload(&*device, &packed)?;
-        make_film(&*device, &mut shared, n_pixels)?;
+        make_film(&*device, &mut shared, n_pixels, n_groups)?;
         let (packed, camera) = (packed.without_copied(), camera.clone());
         let (light_vertices, stop) = (Vec::new(), Arc::default());
-        let kept = Kept { packed, scene_plan, pipelines, shared, n_pixels, camera, light_vertices, stop };
+        let kept =
+            Kept { packed, scene_plan, pipelines, shared, n_pixels, n_groups, camera, light_vertices, stop };
         Self::build(device, kept, settings, tell)
     }
 
@@ -138,6 +147,7 @@ impl Renderer {
         settings: RenderSettings,
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
+        kept.pipelines = load_kernels(&*device, &kept.packed, &settings)?;
         let (base, mean_light_vertices) = kept.base_params(&*device, &settings)?;
         let pipelines = &kept.pipelines;
         let mut shared = kept.shared.clone();
@@ -163,7 +173,10 @@ impl Renderer {
             "counters",
             device.create_buffer("counters", u64::from(k::N_COUNTERS) * 4, BufferUsage::Storage)?,
         );
+        let mixer = || groups::Mixer::new(&*device, pipelines, resolve_set.clone(), kept.n_groups);
         Ok(Self {
+            shown_mix: Vec::new(),
+            mixer: settings.light_groups.then(mixer).transpose()?,
             resolve: resolve_set.bind(&*device, pipelines, "resolve")?,
             resolve_params,
             film: shared.get("film").clone(),
@@ -177,6 +190,7 @@ impl Renderer {
             aovs,
             mean_light_vertices,
             samples: 0,
+            pass: None,
             carried: LaneTotals::default(),
             encoder: None,
             kept,
@@ -210,27 +224,62 @@ impl Renderer {
     /// # Errors
     /// If the device fails.
     pub fn step(&mut self, max_samples: u64) -> Result<u64, RenderError> {
+        loop {
+            if let Some(samples) = self.step_within(max_samples, Duration::MAX)? {
+                return Ok(samples);
+            }
+        }
+    }
+
+    /// As [`Renderer::step`], but left after about `time`, between two batches, where the pass is not
+    /// over: none then, and the next call goes on with it. Meanwhile the image is the one before it, and
+    /// what changes the renderer forgets the pass with all samples, or brings it to its end first.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn step_within(&mut self, max_samples: u64, time: Duration) -> Result<Option<u64>, RenderError> {
+        let start = Instant::now();
+        let mut pass = match self.pass.take() {
+            Some(pass) => pass,
+            None => {
+                if time < Duration::MAX && self.samples > 0 {
+                    self.write_resolve_params()?;
+                    self.device.run(&[self.resolve_shown()?], false)?;
+                }
+                self.begin_pass(max_samples)?
+            }
+        };
+        let params = pass.params;
+        pass.next = self.for_each_batch(pass.next..pass.n_places, start, time, |device, lane, batch| {
+            let Batch { first: first_path, n_paths, n_places } = batch;
+            self.render_batch(device, lane, Params { first_path, n_paths, n_places, ..params })
+        })?;
+        if self.kept.stop.swap(false, Ordering::Relaxed) {
+            self.restart()?;
+            return Ok(Some(0));
+        }
+        if pass.next < pass.n_places {
+            self.pass = Some(pass);
+            return Ok(None);
+        }
+        self.aovs.measure(&*self.device, &params, pass.n_samples)?;
+        self.samples += u64::from(pass.n_samples);
+        Ok(Some(u64::from(pass.n_samples)))
+    }
+
+    /// The share of the pass under way that is done, in [0, 1); none between passes.
+    pub fn pass_done(&self) -> Option<f64> {
+        self.pass.as_ref().map(|pass| f64::from(pass.next) / f64::from(pass.n_places))
+    }
+
+    fn begin_pass(&self, max_samples: u64) -> Result<Pass, RenderError> {
         let largest = self.aovs.largest_pass(self.samples).min(max_samples.max(1));
         let n_samples = self.samples_per_pass().min(u32::try_from(largest).unwrap_or(u32::MAX));
-        let mut params = self.base;
-        params.first_sample = self.samples as u32;
+        let params = Params { first_sample: self.samples as u32, ..self.base };
         if self.pool.is_some() {
             self.trace_pool(&params)?;
         }
-        if self.settings.integrator.uses_camera_paths() || self.pool.is_none() {
-            let n_places = params.n_pixels * n_samples;
-            self.for_each_batch(n_places, |device, lane, batch| {
-                let Batch { first: first_path, n_paths, n_places } = batch;
-                self.render_batch(device, lane, Params { first_path, n_paths, n_places, ..params })
-            })?;
-        }
-        if self.kept.stop.swap(false, Ordering::Relaxed) {
-            self.restart()?;
-            return Ok(0);
-        }
-        self.aovs.measure(&*self.device, &params, n_samples)?;
-        self.samples += u64::from(n_samples);
-        Ok(u64::from(n_samples))
+        Ok(Pass { params, n_samples, n_places: params.n_pixels * n_samples, next: 0 })
     }
 
     /// The image so far: the mean of all samples, of the rendered window.
@@ -238,10 +287,21 @@ impl Renderer {
     /// # Errors
     /// If the device fails.
     pub fn image(&self) -> Result<Image, RenderError> {
+        if self.pass.is_none() {
+            self.write_resolve_params()?;
+            self.device.run(&[dispatch(&self.resolve, self.base.n_pixels)], false)?;
+        }
+        self.read_image()
+    }
+
+    fn write_resolve_params(&self) -> Result<(), RenderError> {
         let params = Params { first_sample: self.samples as u32, ..self.base };
-        self.device.write_buffer(&self.resolve_params, 0, bytemuck::bytes_of(&params))?;
-        self.device.run(&[dispatch(&self.resolve, params.n_pixels)], false)?;
-        let bytes = self.device.read_buffer(&self.image, 0, u64::from(params.n_pixels) * 16)?;
+        Ok(self.device.write_buffer(&self.resolve_params, 0, bytemuck::bytes_of(&params))?)
+    }
+
+    /// What was last put into the image.
+    fn read_image(&self) -> Result<Image, RenderError> {
+        let bytes = self.device.read_buffer(&self.image, 0, u64::from(self.base.n_pixels) * 16)?;
         let words: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let window = self.settings.window();
         Ok(Image {
@@ -283,7 +343,7 @@ impl Renderer {
     pub fn restart(&mut self) -> Result<(), RenderError> {
         self.device.run(&[midway_device::Command::Clear(self.film.clone())], false)?;
         self.aovs.restart(&*self.device)?;
-        self.samples = 0;
+        (self.samples, self.pass) = (0, None);
         Ok(())
     }
 
@@ -433,26 +493,32 @@ impl Renderer {
         }
     }
 
-    /// Cuts `n_places` into batches and runs them on the lanes as these come free.
+    /// Cuts places into batches and runs them on the lanes as these come free: at least one on each,
+    /// and no new ones once `time` has passed since `start`. Returns the end of those that were run.
     fn for_each_batch(
         &self,
-        n_places: u32,
+        places: std::ops::Range<u32>,
+        start: Instant,
+        time: Duration,
         run: impl Fn(&dyn Device, &Lane, Batch) -> Result<(), RenderError> + Sync,
-    ) -> Result<(), RenderError> {
-        let next = AtomicU32::new(0);
+    ) -> Result<u32, RenderError> {
+        let (next, end) = (AtomicU32::new(places.start), places.end);
         self.for_each_lane(|device, _, lane| {
             while !self.kept.stop.load(Ordering::Relaxed) {
                 let most = self.next_batch(lane);
-                let claim =
-                    |first: u32| (first < n_places).then(|| first + most.n_places.min(n_places - first));
+                let claim = |first: u32| (first < end).then(|| first + most.n_places.min(end - first));
                 let Ok(first) = next.fetch_update(Ordering::Relaxed, Ordering::Relaxed, claim) else {
                     return Ok(());
                 };
-                run(device, lane, Batch { first, n_places: most.n_places.min(n_places - first), ..most })?;
+                run(device, lane, Batch { first, n_places: most.n_places.min(end - first), ..most })?;
                 self.adapt_batch(most.n_paths, lane);
+                if start.elapsed() >= time {
+                    return Ok(());
+                }
             }
             Ok(())
-        })
+        })?;
+        Ok(next.into_inner())
     }
 
     /// How large a lane's next batch may be.
@@ -507,6 +573,8 @@ struct Kept {
     shared: BufferSet,
     /// Pixels that these two have room for.
     n_pixels: u32,
+    /// Groups of lights that the film has room for.
+    n_groups: u32,
     camera: Camera,
     /// L by what it depends on, the bound of path lengths.
     light_vertices: Vec<(Option<u32>, f32)>,
@@ -522,6 +590,7 @@ impl Kept {
         settings: &RenderSettings,
     ) -> Result<(Params, f32), RenderError> {
         let mut base = base_params(settings, &self.camera, &self.packed, n_light_paths(settings));
+        base.n_groups = self.groups_of(settings);
         if settings.integrator.joins().is_none() {
             return Ok((base, 0.0));
         }
@@ -544,7 +613,7 @@ impl Kept {
         settings: &RenderSettings,
         mean_light_vertices: f32,
     ) -> Result<Sizes, RenderError> {
-        let shared = plan_shared(&self.scene_plan, settings, self.n_pixels);
+        let shared = plan_shared(&self.scene_plan, settings, self.n_pixels, self.n_groups);
         let n_lanes = device.lanes() as u32;
         Sizes::fit(device.info(), settings, mean_light_vertices, n_light_paths(settings), n_lanes, &shared)
     }
@@ -581,9 +650,27 @@ fn upload(device: &dyn Device, packed: &PackedScene) -> Result<BufferSet, Render
     Ok(set)
 }
 
-/// Puts a film and an image of `n_pixels` in place of those in the set.
-fn make_film(device: &dyn Device, set: &mut BufferSet, n_pixels: u32) -> Result<(), RenderError> {
-    let film_bytes = u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4;
+/// Compiles what `settings` need, all at once, for this scene.
+fn load_kernels(
+    device: &dyn Device,
+    packed: &PackedScene,
+    settings: &RenderSettings,
+) -> Result<Pipelines, RenderError> {
+    let pool_kernels = settings.integrator.uses_pool().then_some(POOL_KERNELS);
+    let names = LaneUses::of(settings).kernels().chain(pool_kernels.into_iter().flatten()).chain(["resolve"]);
+    let apart = settings.light_groups && packed.light_groups.len() > 1;
+    let features = packed.features | if apart { k::FEATURE_LIGHT_GROUPS } else { 0 };
+    Ok(Pipelines::load(device, features, &names.collect::<Vec<_>>())?)
+}
+
+/// Puts a film for each of `n_groups` and an image of `n_pixels` in place of those in the set.
+fn make_film(
+    device: &dyn Device,
+    set: &mut BufferSet,
+    n_pixels: u32,
+    n_groups: u32,
+) -> Result<(), RenderError> {
+    let film_bytes = u64::from(n_pixels) * u64::from(n_groups) * u64::from(k::FILM_STRIDE) * 4;
     let film = device.create_buffer("film", film_bytes, BufferUsage::Storage)?;
     set.insert("image", device.create_buffer("image", u64::from(n_pixels) * 16, BufferUsage::Storage)?);
     set.insert("film", film);

@@ -292,6 +292,9 @@ pub struct RenderSettings {
     pub filter: PixelFilter,
     /// Layers besides the beauty, in the order of the file.
     pub aovs: Vec<Aov>,
+    /// What each group of the scene's lights ([`midway_scene::LightGroups`]) adds to the image is kept
+    /// apart: a film for each.
+    pub light_groups: bool,
     /// The integrator.
     pub integrator: IntegratorSettings,
     /// Bias: edges of a path at most.
@@ -313,6 +316,7 @@ impl Default for RenderSettings {
             seed: 0,
             filter: PixelFilter::default(),
             aovs: Vec::new(),
+            light_groups: false,
             integrator: IntegratorSettings::default(),
             max_path_length: None,
             rng: Rng::default(),

@@ -140,9 +140,14 @@ pub fn plan_scene(packed: &PackedScene) -> MemoryPlan {
 }
 
 /// That of the scene and of all else that lanes share, whatever their size.
-pub fn plan_shared(scene: &MemoryPlan, settings: &RenderSettings, n_pixels: u32) -> MemoryPlan {
+pub fn plan_shared(
+    scene: &MemoryPlan,
+    settings: &RenderSettings,
+    n_pixels: u32,
+    n_groups: u32,
+) -> MemoryPlan {
     let mut plan = scene.clone();
-    plan.fixed("film", u64::from(n_pixels) * u64::from(k::FILM_STRIDE) * 4);
+    plan.fixed("film", u64::from(n_pixels) * u64::from(n_groups) * u64::from(k::FILM_STRIDE) * 4);
     plan.fixed("image", u64::from(n_pixels) * 16);
     aov::plan(settings, n_pixels, &mut plan);
     plan

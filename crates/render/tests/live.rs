@@ -6,6 +6,7 @@ use std::{
         Arc,
         atomic::{AtomicBool, Ordering},
     },
+    time::Duration,
 };
 
 use glam::Vec3;
@@ -158,6 +159,69 @@ fn a_pass_that_is_stopped_leaves_nothing_behind() {
         assert_eq!((live.samples(), stop.load(Ordering::Relaxed)), (0, false));
         assert_eq!(run(&mut live, 2), fresh(&scene, &scene.cameras[0], &by(method)));
     }
+}
+
+/// Cut into parts a pass has the same bits; meanwhile the image is the one before it; and what cannot
+/// change within a pass waits for its end, or ends it.
+#[test]
+fn a_pass_in_parts_is_the_pass() {
+    let scene = load("cornell-box.gltf");
+    for method in [path(), full(), pool(2)] {
+        let settings = RenderSettings { width: 96, height: 64, ..by(method) };
+        let in_part = |live: &mut Renderer| {
+            assert_eq!(live.step_within(1, Duration::ZERO).expect("renders"), None);
+            assert!(live.pass_done().is_some_and(|done| (0.01..0.99).contains(&done)));
+        };
+        let mut live = renderer(&scene, &scene.cameras[0], settings.clone());
+        let first = run(&mut live, 1);
+        in_part(&mut live);
+        assert_eq!((live.samples(), live.image().expect("reads")), (1, first));
+        let mut parts = 1;
+        while live.step_within(1, Duration::ZERO).expect("renders").is_none() {
+            parts += 1;
+        }
+        assert!(parts > 1 && live.pass_done().is_none());
+        let mut whole = renderer(&scene, &scene.cameras[0], settings.clone());
+        assert_eq!(live.image().expect("reads"), run(&mut whole, 2));
+        in_part(&mut live);
+        live.set_camera(&scene, &scene.cameras[0]).expect("changes");
+        assert_eq!(run(&mut live, 2), run(&mut whole, 2));
+        if method.join == Join::KStep {
+            in_part(&mut live);
+            live.set_k(1).expect("changes");
+            assert_eq!((live.samples(), live.pass_done()), (3, None));
+            assert_eq!(live.image().expect("reads"), run(&mut whole, 3));
+        }
+    }
+}
+
+#[test]
+fn groups_of_lights_are_kept_apart_and_mixed_live() {
+    let scene = load("light-sheet.gltf");
+    let camera = &scene.cameras[0];
+    let apart = RenderSettings { light_groups: true, ..by(full()) };
+    let expected = fresh(&scene, camera, &by(full()));
+    let mut live = renderer(&scene, camera, by(full()));
+    run(&mut live, 1);
+    let alone = live.plan().total();
+    live.set_settings(apart).expect("changes");
+    assert_eq!((live.samples(), live.light_groups().len()), (0, 6));
+    assert_eq!(live.plan().total() - alone, 5 * 24 * u64::from(SIZE * SIZE));
+    assert_eq!(run(&mut live, 2), expected);
+    let display = Display { exposure: 0.0, tone_map: ToneMap::Linear };
+    let shown = live.display(display).expect("shows");
+    live.set_mix(&[[0.0; 3]; 6]);
+    assert!(live.display(display).expect("shows").chunks_exact(4).all(|pixel| pixel[..3] == [0; 3]));
+    live.set_mix(&[[2.0, 0.0, 1.0]; 6]);
+    let mixed = live.mixed_image(&[[2.0, 0.0, 1.0]; 6]).expect("mixes");
+    for (mixed, plain) in mixed.pixels.iter().zip(&expected.pixels) {
+        assert!((mixed[0] - 2.0 * plain[0]).abs() <= 1e-5 * plain[0] && mixed[1] == 0.0);
+    }
+    live.set_mix(&[]);
+    assert_eq!((live.samples(), live.display(display).expect("shows")), (2, shown));
+    live.set_settings(by(full())).expect("changes");
+    assert_eq!((live.plan().total(), live.light_groups().len()), (alone, 0));
+    assert_eq!(run(&mut live, 2), expected);
 }
 
 #[test]

@@ -62,7 +62,7 @@ impl Scene {
     ///
     /// Where an index is out of range: call [`Scene::validate`] first.
     pub fn placed(&self, instance: u32) -> PlacedMesh<'_> {
-        let Instance { mesh, world_from_mesh } = &self.instances[instance as usize];
+        let Instance { mesh, world_from_mesh, .. } = &self.instances[instance as usize];
         PlacedMesh::new(&self.meshes[*mesh as usize], instance, world_from_mesh)
     }
 

@@ -9,10 +9,13 @@ mod error;
 mod flatten;
 mod hash;
 mod light;
+mod light_groups;
 mod material;
 mod power;
 mod texture;
 mod validate;
+
+use std::sync::Arc;
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -20,6 +23,7 @@ pub use bounds::{Bounds, Sphere};
 pub use error::SceneError;
 pub use flatten::{PlacedMesh, WorldTriangle};
 pub use light::{Environment, Light, LightKind, SpotFalloff};
+pub use light_groups::{LightGroupRule, LightGroups, MAX_LIGHT_GROUPS};
 pub use material::{
     ConductorFresnel, Material, MetallicRoughness, NormalMap, Opacity, Roughness, Sides, Surface,
 };
@@ -42,6 +46,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// What lies beyond everything.
     pub environment: Option<Environment>,
+    /// The group of lights that the environment is put into; none for its own.
+    pub environment_group: Option<Arc<str>>,
 }
 
 /// A camera: looks along its -z, y up.
@@ -101,12 +107,15 @@ pub struct Mesh {
 }
 
 /// A mesh in the world.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Instance {
     /// Index into [`Scene::meshes`].
     pub mesh: u32,
     /// Affine; a negative determinant flips the front.
     pub world_from_mesh: Mat4,
+    /// The group of lights that it is put into where it emits, or what the file calls it; none for its
+    /// mesh's name.
+    pub light_group: Option<Arc<str>>,
 }
 
 /// How much a scene holds.

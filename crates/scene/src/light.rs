@@ -1,5 +1,7 @@
 //! Lights that are not surfaces.
 
+use std::sync::Arc;
+
 use glam::{Mat3, Vec3};
 
 /// A light without extent.
@@ -9,6 +11,8 @@ pub struct Light {
     pub name: String,
     /// What it does.
     pub kind: LightKind,
+    /// The group of lights that it is put into; none for its own, by its name.
+    pub group: Option<Arc<str>>,
 }
 
 /// What a light without extent does.

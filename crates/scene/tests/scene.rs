@@ -21,7 +21,7 @@ fn scene() -> Scene {
     Scene {
         cameras: vec![Camera::look_at(Vec3::ONE, Vec3::ZERO, Vec3::Y, 1.0).unwrap()],
         meshes: vec![triangle()],
-        instances: vec![Instance { mesh: 0, world_from_mesh: Mat4::IDENTITY }],
+        instances: vec![Instance { mesh: 0, world_from_mesh: Mat4::IDENTITY, light_group: None }],
         materials: vec![Material::new(Surface::diffuse(Vec3::splat(0.5)))],
         ..Scene::default()
     }
@@ -115,7 +115,7 @@ fn bounds_and_counts_are_of_the_world() {
     let mut s = scene();
     s.materials[0].emission = Vec3::X.into();
     let moved = Mat4::from_translation(vec3(10.0, 0.0, 0.0));
-    s.instances.push(Instance { mesh: 0, world_from_mesh: moved });
+    s.instances.push(Instance { mesh: 0, world_from_mesh: moved, light_group: None });
     assert_eq!(s.bounds(), Bounds { min: Vec3::ZERO, max: vec3(11.0, 1.0, 0.0) });
     let counts = s.counts();
     assert_eq!((counts.triangles, counts.emissive_triangles, counts.meshes), (2, 2, 1));
@@ -132,7 +132,7 @@ fn instances_of_large_meshes_are_not_visited() {
         Quat::from_rotation_y(0.7),
         vec3(5.0, 6.0, 7.0),
     );
-    s.instances = vec![Instance { mesh: 0, world_from_mesh: turned }; 1 << 20];
+    s.instances = vec![Instance { mesh: 0, world_from_mesh: turned, light_group: None }; 1 << 20];
     s.validate().unwrap();
     assert_eq!(s.counts().triangles, 1 << 40);
     let bounds = s.bounds();

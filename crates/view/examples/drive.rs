@@ -5,7 +5,7 @@
 //! clients send random requests and nonsense, and PID's memory is watched (Linux). Prints JSON.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, VecDeque},
     error::Error,
     time::{Duration, Instant},
 };
@@ -140,7 +140,7 @@ fn any_request(dice: &mut Dice, view: &Value) -> String {
         let join = ["full", "k-step", "single-step"][dice.roll(3) as usize];
         json!({ "integrator": integrator, "join": join, "k": 1 + dice.roll(9), "pool": dice.roll(2) == 0 })
     };
-    match dice.roll(24) {
+    match dice.roll(25) {
         0 => json!({ "type": "render", "method": method(dice) }),
         1 => json!({ "type": "split", "right": if dice.roll(2) == 0 { Value::Null } else { method(dice) } }),
         2 => json!({ "type": "render", "size": [64 + dice.roll(128), 64 + dice.roll(128)] }),
@@ -152,29 +152,57 @@ fn any_request(dice: &mut Dice, view: &Value) -> String {
         7 => json!({ "type": "pick", "x": 0.4, "y": 0.6 }),
         8 => json!({ "type": "render", "max_path_length": dice.roll(9) }),
         9 => json!({ "type": "environment", "strength": f64::from(dice.roll(3)), "rotation": 30 }),
+        11 => json!({ "type": "mix", "factors": if dice.roll(2) == 0 { Value::Null } else { json!([[1, 0.5, dice.roll(3)]]) } }),
         10 => return (0..dice.roll(300)).map(|_| char::from(b' ' + dice.roll(95) as u8)).collect(),
         angle => turned(view, f64::from(angle) / 10.0, angle),
     }
     .to_string()
 }
 
-/// One client that soaks; the longest it waited for a frame while the camera was asked to move.
-async fn torment(address: String, time: Duration, seed: u32) -> Outcome<(u64, f64)> {
+/// A wait for a frame that is told of is at least this long, in seconds.
+const STALL: f64 = 1.0;
+/// Requests before it that are told.
+const LAST: usize = 6;
+
+/// What a client that soaks has seen.
+struct Seen {
+    frames: u64,
+    /// Seconds.
+    longest_wait: f64,
+    /// Waits of [`STALL`] or more: with what the server's process had of the processors meanwhile, and
+    /// the last requests.
+    stalls: Vec<Value>,
+}
+
+/// One client that soaks.
+async fn torment(address: String, time: Duration, seed: u32, pid: String) -> Outcome<Seen> {
     let (socket, _) = connect_async(format!("ws://{address}/ws")).await?;
     let (mut sink, mut stream) = socket.split();
     let (mut dice, mut view) = (Dice(seed), Value::Null);
-    let (start, mut last, mut longest, mut frames) = (Instant::now(), Instant::now(), 0f64, 0);
+    let mut seen = Seen { frames: 0, longest_wait: 0.0, stalls: Vec::new() };
+    let (start, mut last, mut spent) = (Instant::now(), Instant::now(), processor_seconds(&pid)?);
+    let mut asked: VecDeque<String> = VecDeque::new();
     let mut clock = tokio::time::interval(Duration::from_secs_f64(1.0 / SOAK_REQUESTS));
     while start.elapsed() < time {
         tokio::select! {
             _ = clock.tick() => if !view.is_null() {
-                timeout(Duration::from_secs(30), sink.send(Message::text(any_request(&mut dice, &view)))).await??;
+                let request = any_request(&mut dice, &view);
+                asked.push_back(format!("{:.2} {request}", start.elapsed().as_secs_f64()));
+                if asked.len() > LAST {
+                    asked.pop_front();
+                }
+                timeout(Duration::from_secs(30), sink.send(Message::text(request))).await??;
             },
             message = stream.next() => match message.ok_or("the server has gone")?? {
                 Message::Binary(_) => {
-                    frames += 1;
-                    longest = longest.max(last.elapsed().as_secs_f64());
-                    last = Instant::now();
+                    let (wait, now) = (last.elapsed().as_secs_f64(), processor_seconds(&pid)?);
+                    if wait >= STALL {
+                        let at = start.elapsed().as_secs_f64();
+                        seen.stalls.push(json!({ "at": at, "wait_s": wait, "processor_s": now - spent, "last": asked }));
+                    }
+                    seen.frames += 1;
+                    seen.longest_wait = seen.longest_wait.max(wait);
+                    (last, spent) = (Instant::now(), now);
                     sink.send(Message::text(r#"{"type":"decoded"}"#)).await?;
                 }
                 Message::Text(text) => {
@@ -187,7 +215,15 @@ async fn torment(address: String, time: Duration, seed: u32) -> Outcome<(u64, f6
             },
         }
     }
-    Ok((frames, longest))
+    Ok(seen)
+}
+
+/// What a process has had of the processors, in seconds of 100 ticks (Linux).
+fn processor_seconds(pid: &str) -> Outcome<f64> {
+    let stat = std::fs::read_to_string(format!("/proc/{pid}/stat"))?;
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+    let ticks = |field: usize| fields.get(field).and_then(|f| f.parse::<f64>().ok()).ok_or("no times");
+    Ok((ticks(11)? + ticks(12)?) / 100.0)
 }
 
 fn resident_mib(pid: &str) -> Outcome<f64> {
@@ -199,25 +235,26 @@ fn resident_mib(pid: &str) -> Outcome<f64> {
 async fn soak(address: &str, time: Duration, clients: u32, pid: &str) -> Outcome<Value> {
     let mut tasks = JoinSet::new();
     for client in 0..clients {
-        tasks.spawn(torment(address.to_owned(), time, 0x9e37_79b9 ^ (client + 1)));
+        tasks.spawn(torment(address.to_owned(), time, 0x9e37_79b9 ^ (client + 1), pid.to_owned()));
     }
     let (mut memory, start) = (Vec::new(), Instant::now());
     while start.elapsed() < time && !tasks.is_empty() {
         tokio::time::sleep(time / 60).await;
         memory.push(resident_mib(pid)?);
     }
-    let (mut frames, mut longest) = (0, 0f64);
+    let (mut frames, mut longest, mut stalls) = (0, 0f64, Vec::new());
     while let Some(client) = tasks.join_next().await {
-        let (seen, waited) = client??;
-        frames += seen;
-        longest = longest.max(waited);
+        let seen = client??;
+        frames += seen.frames;
+        longest = longest.max(seen.longest_wait);
+        stalls.extend(seen.stalls);
     }
     // Highest of a sixth early on, and of the last sixth: requests come and go in between.
     let peak = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
     let sixth = memory.len() / 6;
     let (early, late) = (peak(&memory[sixth..2 * sixth]), peak(&memory[memory.len() - sixth..]));
     Ok(json!({
-        "seconds": time.as_secs_f64(), "clients": clients, "frames": frames, "longest_wait_s": longest,
+        "seconds": time.as_secs_f64(), "clients": clients, "frames": frames, "longest_wait_s": longest, "stalls": stalls,
         "memory_mib_peaks": memory.chunks(5).map(peak).collect::<Vec<_>>(), "memory_mib_early": early, "memory_mib_late": late, "growth": late / early - 1.0,
     }))
 }

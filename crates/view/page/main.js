@@ -2,6 +2,7 @@
 
 import { Camera } from "./camera.js";
 import { watchDrops } from "./drop.js";
+import { Lights } from "./lights.js";
 import { Link } from "./link.js";
 import { element, fillMethods, indexOf, method, put, showFigures, touch } from "./panel.js";
 import { plot } from "./plot.js";
@@ -45,6 +46,7 @@ const link = new Link({
     element("fov").disabled = camera.fov == null;
     put("env-strength", scene.environment ? 1 : 0);
     put("env-rotation", 0);
+    lights.show(scene.groups);
     listSaved();
     showOutputs();
   },
@@ -65,12 +67,13 @@ const link = new Link({
     put("tone", status.shown.tone_map);
     put("layer", status.shown.layer);
     put("hold", Math.round(status.hold_ms));
+    lights.put(status.mix);
     element("k").disabled = !status.left.integrator.includes("k-step") && !status.right?.integrator.includes("k-step");
     element("region").setAttribute("aria-pressed", !!status.region);
     plot(element("plot"), status.plot);
     element("plot-note").textContent = status.relmse == null ? "no measurement yet"
       : `relMSE ${status.relmse.toExponential(2)}, ` +
-        (status.measured_by === "reference" ? "against the reference" : "expected, by the spread between passes");
+        (status.measured_by === "reference" ? "against the reference" : "expected, from two halves of the samples");
     showOutputs();
   },
   frame(frame) {
@@ -104,6 +107,7 @@ const stage = new Stage(element("picture"), element("divider"), element("region-
 });
 
 watchDrops(link, notice);
+const lights = new Lights((request) => link.send(request));
 
 function showOutputs() {
   const value = (id) => element(id).value;

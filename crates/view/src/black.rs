@@ -3,17 +3,25 @@
 use midway_film::{Display, Image};
 use midway_render::{Integrator, Join};
 
-use crate::{engine::Engine, pick};
+use crate::{ViewError, engine::Engine, pick};
 
 /// A pixel this dark in 8 bits is black to the eye.
 const BLACK: u8 = 2;
 /// Places of the film, along each side, that are asked whether anything is there.
 const PLACES: u32 = 7;
 
-/// The reason, if all of the picture is black as it is shown.
-pub fn reason(engine: &Engine, image: &Image) -> Option<String> {
+/// The reason, if all of the picture is black as it is shown; `image` without the mix of its lights.
+///
+/// # Errors
+/// If the device fails.
+pub fn reason(engine: &Engine, image: &Image) -> Result<Option<String>, ViewError> {
+    let shown = engine.mixed_image()?;
+    Ok(reason_of(engine, image, &shown))
+}
+
+fn reason_of(engine: &Engine, image: &Image, shown: &Image) -> Option<String> {
     let display = Display { exposure: engine.shown.exposure, tone_map: engine.shown.tone_map.into() };
-    if image.pixels.iter().any(|pixel| display.encode_u8(*pixel).iter().any(|byte| *byte > BLACK)) {
+    if shown.pixels.iter().any(|pixel| display.encode_u8(*pixel).iter().any(|byte| *byte > BLACK)) {
         return None;
     }
     let scene = &engine.scene;
@@ -21,7 +29,9 @@ pub fn reason(engine: &Engine, image: &Image) -> Option<String> {
     let surfaces_emit = scene.counts().emissive_triangles > 0 || scene.environment.is_some();
     let hits_alone = integrator.integrator == Integrator::PathNaive
         || integrator.joins() == Some(Join::SingleStep) && !integrator.uses_nee();
-    let text = if !image.is_black() {
+    let text = if !image.is_black() && shown.is_black() {
+        "All lights are turned down. Press Reset lights."
+    } else if !image.is_black() {
         let brightest = image.pixels.iter().flatten().copied().fold(0.0, f32::max);
         return Some(format!(
             "The exposure is too low: the brightest pixel is {brightest:.2e} W/(m² sr). Press ] to raise it."

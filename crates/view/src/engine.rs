@@ -11,7 +11,9 @@ use std::{
 use glam::{Mat3, Vec3};
 use midway_device::Device;
 use midway_film::{Display, Image};
-use midway_render::{Aov, Crop, Hold, HoldLimits, Join, Load, RenderSettings, RenderStats, Renderer};
+use midway_render::{
+    Aov, Crop, Hold, HoldLimits, IntegratorSettings, Join, Load, RenderSettings, RenderStats, Renderer,
+};
 use midway_scene::{Camera, Environment, Projection, Scene};
 
 use crate::{
@@ -25,12 +27,18 @@ use crate::{
 const REFINE: Duration = Duration::from_millis(80);
 /// The camera rests when no input came for this long.
 const REST: Duration = Duration::from_millis(150);
+/// A frame in motion that has not ended after this many times its time is given up for a smaller one.
+const MOVING_LATE: u32 = 4;
 /// Samples of a pixel in a frame while the camera moves, at most.
 const MOVING_SAMPLES: u32 = 16;
 /// The smallest scale of a side while it moves.
 const MOVING_SCALE: f32 = 0.125;
 /// Longest side of a film that a browser may ask for.
 const MAX_SIDE: u32 = 8192;
+/// The largest factor of a group of lights.
+const MAX_FACTOR: f32 = 1e6;
+/// How long a camera at rest is taken to move so that a small picture is shown ahead.
+const PREVIEW: Duration = Duration::from_millis(30);
 /// Samples of a pixel after which an image is done.
 pub const MAX_SAMPLES: u64 = 1 << 20;
 
@@ -61,10 +69,12 @@ impl Half {
         self.rays_before = self.stats.rays;
     }
 
-    /// At least one pass, then more until `samples` of every pixel were added or the time is over.
-    fn render(&mut self, samples: u64, time: Duration) -> Result<(), ViewError> {
+    /// Passes, until `samples` of every pixel were added or `time` is over; a first that is not over
+    /// after `patience` is left. Whether none of them was stopped.
+    fn render(&mut self, samples: u64, time: Duration, patience: Duration) -> Result<bool, ViewError> {
         let start = Instant::now();
         let end = self.renderer.samples() + samples;
+        let mut goes_on = true;
         loop {
             let done = self.renderer.samples();
             let spent = start.elapsed();
@@ -74,14 +84,21 @@ impl Half {
             // As many as fit the rest of the time at the pace so far.
             let paced =
                 (done - (end - samples)) as f64 * (time.as_secs_f64() / spent.as_secs_f64().max(1e-6) - 1.0);
-            if self.renderer.step((end - done).min((paced as u64).max(1)))? == 0 {
-                self.begin();
-                break;
+            let wanted = (end - done).min((paced as u64).max(1));
+            let patience = if done == end - samples { patience.saturating_sub(spent) } else { Duration::MAX };
+            match self.renderer.step_within(wanted, patience)? {
+                None => break,
+                Some(0) => {
+                    self.begin();
+                    goes_on = false;
+                    break;
+                }
+                Some(_) => {}
             }
         }
         self.seconds += start.elapsed().as_secs_f64();
         self.stats = self.renderer.stats()?;
-        Ok(())
+        Ok(goes_on)
     }
 }
 
@@ -126,11 +143,15 @@ pub struct Engine {
     right_k: u32,
     /// How it is shown.
     pub shown: Shown,
+    /// Factors of the groups of lights as they are shown; empty where all count in full.
+    mix: Vec<[f32; 3]>,
     /// What frames are rendered with while the camera moves.
     pub hold: Hold,
     /// How long these are to last.
     hold_time: Duration,
     moved_at: Option<Instant>,
+    /// Whether a small picture was shown ahead of a first pass that lasts.
+    previewed: bool,
     /// A camera that is not yet looked through.
     next_camera: Option<Camera>,
     input: u32,
@@ -169,9 +190,11 @@ impl Engine {
             right: None,
             right_k: 1,
             shown,
+            mix: Vec::new(),
             hold,
             hold_time,
             moved_at: None,
+            previewed: false,
             next_camera: None,
             input: 0,
             frame_time: Duration::ZERO,
@@ -224,7 +247,7 @@ impl Engine {
             ..self.camera.clone()
         };
         self.next_camera = Some(self.camera.clone());
-        self.moved_at = Some(Instant::now());
+        (self.moved_at, self.previewed) = (Some(Instant::now()), false);
         self.input = view.input;
         Ok(())
     }
@@ -278,6 +301,7 @@ impl Engine {
     /// # Errors
     /// If it does not fit.
     pub fn split(&mut self, right: Option<Method>) -> Result<(), ViewError> {
+        self.hold = Hold::new(hold_limits(&self.settings, self.hold_time));
         let Some(method) = right else {
             self.right = None;
             return Ok(());
@@ -345,7 +369,8 @@ impl Engine {
         }
     }
 
-    /// Renders one frame and gives its pixels; none where it was stopped.
+    /// Renders one frame, or a part of one, and gives its pixels; none where it was stopped or its pass
+    /// goes on in the next.
     ///
     /// # Errors
     /// If the device fails.
@@ -353,10 +378,11 @@ impl Engine {
         let start = Instant::now();
         let moving = self.is_moving();
         let load = self.hold.load();
-        if moving {
-            self.apply(load)?;
-        } else {
-            self.apply(Load { k: u32::MAX, samples: 1, scale: 1.0 })?;
+        if moving && self.pass_done().is_some() {
+            self.restart()?;
+        }
+        if self.pass_done().is_none() {
+            self.apply(if moving { load } else { Load { k: u32::MAX, samples: 1, scale: 1.0 } })?;
         }
         if let Some(camera) = self.next_camera.take() {
             for half in [Some(&mut self.left), self.right.as_mut()].into_iter().flatten() {
@@ -366,22 +392,101 @@ impl Engine {
         }
         let samples = if moving { u64::from(load.samples) } else { u64::MAX >> 1 };
         let time = if moving { self.hold_time } else { REFINE };
-        let before = self.left.renderer.samples();
+        let patience = match moving {
+            true if self.hold.is_least() => Duration::MAX,
+            true => time * MOVING_LATE,
+            false => time,
+        };
+        let before = self.samples();
         self.haste.begin(!moving);
-        let rendered = self.render(samples.min(MAX_SAMPLES), time);
+        let rendered = self.render(samples.min(MAX_SAMPLES), time, patience);
         self.haste.begin(false);
-        rendered?;
-        if self.left.renderer.samples() == 0 {
+        if !rendered? {
             return Ok(None);
         }
+        let after = self.samples();
+        let shows = if moving { before[0] != after[0] && before[1] != after[1] } else { before != after };
+        if !shows {
+            self.put_off(moving)?;
+            return Ok(None);
+        }
+        self.previewed &= moving;
         let pixels = self.pixels(moving)?;
         self.frame_time = start.elapsed();
         if moving {
             // Fewer than asked for where the time was over.
-            let samples = (self.left.renderer.samples() - before).clamp(1, u64::from(load.samples)) as u32;
+            let samples = (after[0] - before[0]).clamp(1, u64::from(load.samples)) as u32;
             self.hold.observe(Load { samples, ..load }, self.frame_time);
         }
         Ok(Some(pixels))
+    }
+
+    /// A pass has outlasted its frame. In motion it is given up for the smallest there is; at rest it goes
+    /// on, but where it is the first a small picture is shown ahead.
+    fn put_off(&mut self, moving: bool) -> Result<(), ViewError> {
+        if moving {
+            self.hold = Hold::new(hold_limits(&self.settings, self.hold_time));
+            return self.restart();
+        }
+        if self.left.renderer.samples() == 0 && !self.previewed {
+            self.previewed = true;
+            self.moved_at = Instant::now().checked_sub(REST - PREVIEW);
+        }
+        Ok(())
+    }
+
+    /// Samples of both halves; without a split the one stands for both.
+    fn samples(&self) -> [u64; 2] {
+        let left = self.left.renderer.samples();
+        [left, self.right.as_ref().map_or(left, |half| half.renderer.samples())]
+    }
+
+    /// The share that is done of a pass that is under way; none between passes.
+    fn pass_done(&self) -> Option<f64> {
+        let right = self.right.as_ref().and_then(|half| half.renderer.pass_done());
+        self.left.renderer.pass_done().or(right)
+    }
+
+    /// Brings passes that are under way to their end.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn end_pass(&mut self) -> Result<(), ViewError> {
+        for half in [Some(&mut self.left), self.right.as_mut()].into_iter().flatten() {
+            if half.renderer.pass_done().is_some() {
+                half.renderer.step(1)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a pass has ended that can be shown.
+    pub fn has_picture(&self) -> bool {
+        self.left.renderer.samples() > 0
+    }
+
+    /// Keeps groups of lights apart and shows them multiplied by `factors`; none: all of them in full,
+    /// not kept apart.
+    ///
+    /// # Errors
+    /// If they are no factors, or the films do not fit.
+    pub fn mix(&mut self, factors: Option<Vec<[f32; 3]>>) -> Result<(), ViewError> {
+        let sound = |factor: &f32| (0.0..=MAX_FACTOR).contains(factor);
+        let n = self.scene.light_groups().names.len();
+        if factors.as_ref().is_some_and(|f| f.len() > n || !f.as_flattened().iter().all(sound)) {
+            return Err(ViewError::Refused(format!("a group's factor is 0 to {MAX_FACTOR}, of {n} groups")));
+        }
+        let apart = factors.is_some();
+        if apart != self.settings.light_groups {
+            self.change(RenderSettings { light_groups: apart, ..self.settings.clone() })?;
+        }
+        self.mix = factors.unwrap_or_default();
+        Ok(())
+    }
+
+    /// The factors of groups that are kept apart, as they were asked for.
+    pub fn mix_shown(&self) -> Option<&[[f32; 3]]> {
+        self.settings.light_groups.then_some(&self.mix)
     }
 
     /// The samples so far, as they are shown.
@@ -390,10 +495,13 @@ impl Engine {
     /// If the device fails.
     pub fn pixels(&mut self, moving: bool) -> Result<Pixels, ViewError> {
         let display = Display { exposure: self.shown.exposure, tone_map: self.shown.tone_map.into() };
-        let layer = self.shown.layer;
+        let (layer, mix) = (self.shown.layer, self.mix.clone());
         let picture = |half: &mut Half| -> Result<Vec<u8>, ViewError> {
             match layer {
-                Layer::Beauty => Ok(half.renderer.display(display)?),
+                Layer::Beauty => {
+                    half.renderer.set_mix(&mix);
+                    Ok(half.renderer.display(display)?)
+                }
                 _ => layers::picture(&half.renderer, layer),
             }
         };
@@ -413,23 +521,33 @@ impl Engine {
         Ok(self.left.renderer.image()?)
     }
 
-    /// In a split whoever has had less time renders, until both have had theirs.
-    fn render(&mut self, samples: u64, time: Duration) -> Result<(), ViewError> {
-        let Some(right) = &mut self.right else { return self.left.render(samples, time) };
-        let time = time / 2;
+    /// The picture's radiance with the mix of its lights.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn mixed_image(&self) -> Result<Image, ViewError> {
+        let mixes = !self.mix.is_empty();
+        Ok(if mixes { self.left.renderer.mixed_image(&self.mix)? } else { self.left.renderer.image()? })
+    }
+
+    /// Whether it was not stopped. In a split whoever has had less time renders, until both have had
+    /// theirs.
+    fn render(&mut self, samples: u64, time: Duration, patience: Duration) -> Result<bool, ViewError> {
+        let Some(right) = &mut self.right else { return self.left.render(samples, time, patience) };
         let start = Instant::now();
         let first = (self.left.renderer.samples(), right.renderer.samples());
-        while start.elapsed() < 2 * time
-            || self.left.renderer.samples() == first.0
-            || right.renderer.samples() == first.1
-        {
+        loop {
+            let spent = start.elapsed();
+            let both = self.left.renderer.samples() != first.0 && right.renderer.samples() != first.1;
+            if (both && spent >= time) || spent >= patience {
+                return Ok(true);
+            }
             let half = if self.left.seconds <= right.seconds { &mut self.left } else { &mut *right };
-            half.render(samples, time / 4)?;
-            if half.renderer.samples() == 0 {
-                return self.restart();
+            if !half.render(samples, time / 8, (patience - spent).min(time))? {
+                self.restart()?;
+                return Ok(false);
             }
         }
-        Ok(())
     }
 
     /// Cuts the renderers to a load.
@@ -463,7 +581,19 @@ impl Engine {
 
     /// Other settings for the picture, checked by its renderer, and what a split shares of them.
     fn change(&mut self, settings: RenderSettings) -> Result<(), ViewError> {
+        let same_k = IntegratorSettings { k: self.settings.integrator.k, ..settings.integrator };
+        let costs_other =
+            same_k != self.settings.integrator || settings.max_path_length != self.settings.max_path_length;
+        if self.pass_done().is_some()
+            && self.settings == (RenderSettings { integrator: same_k, ..settings.clone() })
+        {
+            settings.validate()?;
+            self.hold.set_limits(hold_limits(&settings, self.hold_time));
+            self.settings = settings; // with the next pass: one pass has one K
+            return Ok(());
+        }
         self.left.renderer.set_settings(settings.clone())?;
+        self.previewed = false;
         if self.left.renderer.samples() == 0 {
             self.left.begin();
         }
@@ -472,10 +602,9 @@ impl Engine {
             let beside = RenderSettings { integrator, ..settings.clone() };
             right.renderer.set_settings(beside)?;
         }
-        let integrator_changed = settings.integrator.integrator != self.settings.integrator.integrator;
         self.settings = settings;
         let limits = hold_limits(&self.settings, self.hold_time);
-        if integrator_changed {
+        if costs_other {
             self.hold = Hold::new(limits);
         } else {
             self.hold.set_limits(limits);
@@ -488,13 +617,14 @@ fn inside(crop: Crop, width: u32, height: u32) -> Crop {
     Crop { width: crop.width.min(width - crop.x), height: crop.height.min(height - crop.y), ..crop }
 }
 
-/// Variance always: noise is shown. First hits where a layer of theirs is.
+/// What a layer is made of.
 fn aovs(layer: Layer) -> Vec<Aov> {
     match layer {
-        Layer::Beauty | Layer::Noise => vec![Aov::Variance],
-        Layer::Albedo => vec![Aov::Variance, Aov::Albedo],
-        Layer::Normal => vec![Aov::Variance, Aov::Normal],
-        Layer::Depth => vec![Aov::Variance, Aov::Depth],
+        Layer::Beauty => vec![],
+        Layer::Noise => vec![Aov::Variance],
+        Layer::Albedo => vec![Aov::Albedo],
+        Layer::Normal => vec![Aov::Normal],
+        Layer::Depth => vec![Aov::Depth],
     }
 }
 

@@ -59,6 +59,11 @@ pub enum Request {
     },
     /// The environment.
     Environment(Surroundings),
+    /// What each group of lights is multiplied by as it is shown; none: they are not kept apart.
+    Mix {
+        /// For each group of the scene a factor a channel, at least 0.
+        factors: Option<Vec<[f32; 3]>>,
+    },
 }
 
 impl Request {
@@ -74,6 +79,7 @@ impl Request {
             Self::Decoded
             | Self::Take
             | Self::Show(_)
+            | Self::Mix { .. }
             | Self::Pause { .. }
             | Self::Pick { .. }
             | Self::Open { .. } => false,
@@ -353,6 +359,7 @@ mod tests {
             r#"{"type":"show","exposure":"1","tone_map":"agx"}"#,
             r#"{"type":"pick","x":0.5}"#,
             r#"{"type":"open","batch":-1,"path":"a.glb"}"#,
+            r#"{"type":"mix","factors":[[1,2]]}"#,
         ] {
             assert!(parse(text).is_err(), "{text}");
         }

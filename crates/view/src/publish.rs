@@ -91,9 +91,9 @@ impl Publisher {
             "film": [settings.width, settings.height],
             "region": settings.crop.map(|c| [c.x, c.y, c.width, c.height]),
             "method": Method::of(&settings.integrator), "max_path_length": settings.max_path_length,
-            "shown": self.shown, "paused": false, "moving": false, "done": false,
+            "shown": self.shown, "mix": null, "paused": false, "moving": false, "done": false,
             "frame_ms": start.elapsed().as_secs_f64() * 1e3, "hold_ms": 33, "device": info.name,
-            "backend": info.backend, "relmse": null, "measured_by": "passes", "plot": [], "black": null, "failure": null,
+            "backend": info.backend, "relmse": null, "measured_by": "halves", "plot": [], "black": null, "failure": null,
         });
         self.status.send_replace(told.to_string().into());
         Ok(())

@@ -40,11 +40,13 @@ pub fn bytes(
             let framing = settings
                 .crop
                 .map(|c| Framing { frame: pair(settings.width, settings.height), offset: pair(c.x, c.y) });
-            write_exr_with(&path, &image, &engine.left.renderer.channels()?, framing, &header)?;
+            let mut channels = engine.left.renderer.channels()?;
+            channels.extend(engine.left.renderer.group_channels()?);
+            write_exr_with(&path, &image, &channels, framing, &header)?;
         }
         Format::Png => {
             let display = Display { exposure: engine.shown.exposure, tone_map: engine.shown.tone_map.into() };
-            write_png(&path, &image, display, &header)?;
+            write_png(&path, &engine.mixed_image()?, display, &header)?;
         }
     }
     Ok(std::fs::read(&path)?)

@@ -34,6 +34,7 @@ const PAGE: &[(&str, &str, &str)] = &[
     ("", "text/html; charset=utf-8", include_str!("../page/index.html")),
     ("style.css", "text/css; charset=utf-8", include_str!("../page/style.css")),
     ("main.js", "text/javascript; charset=utf-8", include_str!("../page/main.js")),
+    ("lights.js", "text/javascript; charset=utf-8", include_str!("../page/lights.js")),
     ("link.js", "text/javascript; charset=utf-8", include_str!("../page/link.js")),
     ("camera.js", "text/javascript; charset=utf-8", include_str!("../page/camera.js")),
     ("stage.js", "text/javascript; charset=utf-8", include_str!("../page/stage.js")),

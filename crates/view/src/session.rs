@@ -1,6 +1,7 @@
 //! The thread that renders: requests in, frames and figures out. It never waits for a browser.
 
 use std::{
+    collections::VecDeque,
     path::PathBuf,
     sync::{
         Arc,
@@ -156,6 +157,23 @@ struct Measured {
     next: u64,
     black: Option<String>,
     samples: u64,
+    /// Images after some of the samples, each after twice as many as the one before: the last three.
+    halves: VecDeque<(Image, u64)>,
+}
+
+impl Measured {
+    /// What an image of `n` samples is compared with for its error: one that holds at most two
+    /// thirds of them, where there is one about half.
+    fn half_of(&mut self, image: &Image, n: u64) -> Option<&(Image, u64)> {
+        if self.halves.back().is_none_or(|(last, at)| n >= 2 * at || last.size() != image.size()) {
+            self.halves.push_back((image.clone(), n));
+            if self.halves.len() > 3 {
+                self.halves.pop_front();
+            }
+        }
+        let fits = |(half, at): &&(Image, u64)| 3 * at <= 2 * n && half.size() == image.size();
+        self.halves.iter().rev().find(fits)
+    }
 }
 
 struct Worker {
@@ -220,6 +238,7 @@ impl Worker {
             Command::Request(request) => self.obey_request(request),
             Command::Open(path) => self.open(&path),
             Command::Save(format, answer) => {
+                self.engine.end_pass()?;
                 let saved = save::bytes(&self.engine, &self.name, &self.device, format);
                 // The browser may have gone.
                 let _ = answer.send(saved.map_err(|error| error.to_string()));
@@ -234,6 +253,7 @@ impl Worker {
             Request::Look(view) => engine.look(&view)?,
             Request::Render(wish) => engine.wish(&wish)?,
             Request::Show(shown) => return engine.show(shown),
+            Request::Mix { factors } => return engine.mix(factors),
             Request::Split { right } => engine.split(right)?,
             Request::Region { window } => engine.region(window)?,
             Request::Restart => engine.restart()?,
@@ -269,7 +289,8 @@ impl Worker {
             self.warn(&warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
         } else {
             let import = midway_import::load(path).map_err(|e| ViewError::Refused(e.to_string()))?;
-            let (settings, shown) = (self.engine.settings.clone(), self.engine.shown);
+            let settings = RenderSettings { light_groups: false, ..self.engine.settings.clone() };
+            let shown = self.engine.shown;
             let (hold, haste) = (self.engine.hold_time(), self.engine.haste.clone());
             self.engine = Engine::new(Arc::clone(&self.device), import.scene, settings, shown, hold, haste)?;
             (self.name, self.reference) = (name, None);
@@ -291,6 +312,11 @@ impl Worker {
         let settled = self.paused && !engine.is_moving() && engine.is_whole();
         let still = settled || engine.is_done();
         let pixels = if still { Some(engine.pixels(false)?) } else { engine.frame()? };
+        let pixels = match pixels {
+            // A long pass is under way: what is shown of the last one may have changed.
+            None if self.stale && engine.has_picture() => Some(engine.pixels(false)?),
+            pixels => pixels,
+        };
         let Some(pixels) = pixels else { return Ok(()) };
         let every = if engine.left.seconds < LATE { SHOW_EVERY } else { SHOW_LATE };
         if pixels.moving || self.stale || self.shown_at.elapsed() >= every {
@@ -308,7 +334,8 @@ impl Worker {
         if samples < self.measured.samples {
             self.measured = Measured::default();
         }
-        if self.engine.is_moving() || samples < self.measured.next.max(MEASURE_FIRST) {
+        let unsettled = self.engine.is_moving() || left.renderer.pass_done().is_some();
+        if unsettled || samples < self.measured.next.max(MEASURE_FIRST) {
             return Ok(());
         }
         let image = self.engine.image()?;
@@ -316,7 +343,10 @@ impl Worker {
             Some(reference) => {
                 midway_film::rmse_and_relmse(&image, reference).map_or(f64::NAN, |(_, relmse)| relmse)
             }
-            None => layers::expected_relmse(&left.renderer, &image)?,
+            None => match self.measured.half_of(&image, samples) {
+                Some((half, n)) => layers::expected_relmse((&image, samples), (half, *n)),
+                None => f64::NAN,
+            },
         };
         let measured = &mut self.measured;
         measured.next = ((samples as f64 * MEASURE_GROWTH) as u64).max(samples + 1);
@@ -334,7 +364,7 @@ impl Worker {
                 place % 2 == 0
             });
         }
-        measured.black = black::reason(&self.engine, &image);
+        measured.black = black::reason(&self.engine, &image)?;
         Ok(())
     }
 
@@ -365,10 +395,10 @@ impl Worker {
             "film": [engine.settings.width, engine.settings.height],
             "region": engine.settings.crop.map(|c| [c.x, c.y, c.width, c.height]),
             "method": Method::of(&engine.settings.integrator), "max_path_length": engine.settings.max_path_length,
-            "shown": engine.shown, "paused": self.paused, "moving": engine.is_moving(), "done": engine.is_done(),
+            "shown": engine.shown, "mix": engine.mix_shown(), "paused": self.paused, "moving": engine.is_moving(), "done": engine.is_done(),
             "frame_ms": engine.frame_time.as_secs_f64() * 1e3, "hold_ms": engine.hold_time().as_secs_f64() * 1e3,
             "device": info.name, "backend": info.backend,
-            "relmse": self.measured.relmse, "measured_by": if self.reference.is_some() { "reference" } else { "passes" },
+            "relmse": self.measured.relmse, "measured_by": if self.reference.is_some() { "reference" } else { "halves" },
             "plot": self.measured.points, "black": self.measured.black, "failure": self.failure,
         })
     }
@@ -390,13 +420,14 @@ pub fn figures(renderer: &Renderer, stats: &RenderStats, seconds: f64, rays: u64
 /// What browsers are told of a scene.
 pub fn scene_message(scene: &Scene, name: &str, camera: &Camera) -> Value {
     let (bounds, counts) = (scene.bounds(), scene.counts());
+    let groups = scene.light_groups().names;
     let cameras: Vec<Value> = scene.cameras.iter().map(|camera| view_of(scene, camera)).collect();
     json!({
         "type": "scene", "name": name, "triangles": counts.triangles,
         "lights": counts.emissive_triangles + scene.lights.len(),
         "cameras": cameras, "view": view_of(scene, camera),
         "bounds": [bounds.min.to_array(), bounds.max.to_array()],
-        "environment": scene.environment.is_some(),
+        "environment": scene.environment.is_some(), "groups": Value::from_iter(groups.iter().map(|name| &**name)),
     })
 }
 

@@ -76,7 +76,7 @@ fn a_lamp_too_weak_to_be_chosen_renders() {
 }
 
 fn with_lights(mut scene: Scene, kinds: &[LightKind]) -> Scene {
-    scene.lights.extend(kinds.iter().map(|&kind| Light { name: String::new(), kind }));
+    scene.lights.extend(kinds.iter().map(|&kind| Light { name: String::new(), kind, group: None }));
     scene
 }
 

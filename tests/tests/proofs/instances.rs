@@ -40,9 +40,11 @@ fn scene(shared: bool) -> Scene {
         if !shared {
             scene.meshes.push(ball(2 + is_glass));
         }
-        scene
-            .instances
-            .push(Instance { mesh, world_from_mesh: Mat4::from_scale_rotation_translation(scale, turn, at) });
+        scene.instances.push(Instance {
+            mesh,
+            world_from_mesh: Mat4::from_scale_rotation_translation(scale, turn, at),
+            light_group: None,
+        });
     }
     scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.95), Vec3::ZERO, 80.0));
     scene

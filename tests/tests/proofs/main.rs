@@ -13,6 +13,7 @@ mod importers;
 mod instances;
 mod joins;
 mod layers;
+mod light_groups;
 mod normal_maps;
 mod references;
 mod repeatability;

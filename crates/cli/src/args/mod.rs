@@ -17,8 +17,8 @@ pub use bench::{
 };
 pub use render::RenderArgs;
 pub use values::{
-    CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, ProgressArg, RngArg,
-    ToneMapArg, Vec3Arg,
+    CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightGroupsArg, LightPathsArg, MisArg,
+    ProgressArg, RngArg, ToneMapArg, Vec3Arg,
 };
 pub use view::ViewArgs;
 

@@ -5,8 +5,9 @@ use std::{path::PathBuf, time::Duration};
 use clap::Args;
 
 use super::values::{
-    AovArg, ColorArg, CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg,
-    ProgressArg, RngArg, ToneMapArg, Vec3Arg, duration, finite_f32, non_negative_f32, positive_f32, stops,
+    AovArg, ColorArg, CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightGroupsArg,
+    LightPathsArg, MisArg, ProgressArg, RngArg, ToneMapArg, Vec3Arg, duration, finite_f32, non_negative_f32,
+    positive_f32, stops,
 };
 
 /// `midway render`.
@@ -50,6 +51,12 @@ pub struct RenderArgs {
     /// variance and samples.
     #[arg(long, value_name = "all|none|LIST", default_value = "none", help_heading = "Output")]
     pub aov: AovArg,
+
+    /// A layer in the EXR for what each group of lights adds, `Combined_NAME`: of each light by itself,
+    /// or of lights put together by their names, where `*` stands for any text. At most 16; the others
+    /// share the last.
+    #[arg(long, value_name = "NAME=LIGHT+LIGHT,…", num_args = 0..=1, require_equals = true, default_missing_value = "", help_heading = "Output")]
+    pub light_groups: Option<LightGroupsArg>,
 
     /// Samples per pixel [default: 64, or no limit with --time]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=u32::MAX as u64), help_heading = "Image")]

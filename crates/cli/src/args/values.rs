@@ -4,6 +4,7 @@ use std::{str::FromStr, time::Duration};
 
 use clap::ValueEnum;
 use midway_render::Aov;
+use midway_scene::LightGroupRule;
 
 /// `--integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -108,6 +109,28 @@ impl FromStr for LightPathsArg {
             },
             _ => Err("use per-sample, pool or pool:P".to_owned()),
         }
+    }
+}
+
+/// `--light-groups`: which lights are put together; the others stay by themselves.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LightGroupsArg(pub Vec<LightGroupRule>);
+
+impl FromStr for LightGroupsArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let rule = |text: &str| match text.split_once('=') {
+            Some((group, lights)) if !group.trim().is_empty() && !lights.is_empty() => Ok(LightGroupRule {
+                group: group.trim().to_owned(),
+                lights: lights.split('+').map(|name| name.trim().to_owned()).collect(),
+            }),
+            _ => Err(format!("'{text}' is not NAME=LIGHT+LIGHT")),
+        };
+        if text.is_empty() {
+            return Ok(Self::default());
+        }
+        Ok(Self(text.split(',').map(rule).collect::<Result<_, _>>()?))
     }
 }
 

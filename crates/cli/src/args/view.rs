@@ -4,6 +4,8 @@ use std::{net::IpAddr, path::PathBuf};
 
 use clap::Args;
 
+use super::values::LightGroupsArg;
+
 /// `midway view`.
 #[derive(Args, Debug)]
 pub struct ViewArgs {
@@ -31,6 +33,10 @@ pub struct ViewArgs {
     /// hold it.
     #[arg(long, value_name = "MS", default_value_t = 33, value_parser = clap::value_parser!(u32).range(1..=10_000), help_heading = "Image")]
     pub hold: u32,
+    /// Keep groups of lights apart from the start, and put lights into groups by their names, as
+    /// `midway render` does.
+    #[arg(long, value_name = "NAME=LIGHT+LIGHT,…", num_args = 0..=1, require_equals = true, default_missing_value = "", help_heading = "Image")]
+    pub light_groups: Option<LightGroupsArg>,
     /// Plot the error against this image (EXR) instead of estimating it.
     #[arg(long, value_name = "EXR", help_heading = "Image")]
     pub reference: Option<PathBuf>,

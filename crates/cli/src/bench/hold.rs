@@ -1,9 +1,10 @@
-//! `midway bench hold`: frame times and K while the camera moves and the renderer holds a target.
+//! `midway bench hold`: frame times, K and resolution while the camera moves and the renderer holds a
+//! target.
 
 use std::time::{Duration, Instant};
 
 use glam::{Mat4, Vec3};
-use midway_render::{Hold, HoldLimits, Integrator, IntegratorSettings, Join};
+use midway_render::{Hold, HoldLimits, Integrator, IntegratorSettings, Join, Load, RenderSettings};
 use midway_scene::{Camera, Scene};
 use serde_json::json;
 
@@ -13,6 +14,8 @@ use crate::{args::HoldArgs, console, status::Outcome};
 /// The K wanted where there is time for it, and samples of a frame at most.
 const MOST_K: u32 = 16;
 const MOST_SAMPLES: u32 = 64;
+/// Of each side, where the whole film takes too long by K = 1.
+const LEAST_SCALE: f32 = 0.125;
 /// Of the picture's height or width that the camera moves through, and how many times a minute.
 const SWAY: f32 = 0.1;
 const TURNS_PER_SECOND: f32 = 0.1;
@@ -23,6 +26,7 @@ struct Frame {
     seconds: f64,
     k: u32,
     samples: u32,
+    scale: f32,
 }
 
 /// Moves the camera for the time asked for.
@@ -38,8 +42,10 @@ pub fn run(args: &HoldArgs) -> Outcome {
     let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
     let ks = frames.iter().map(|frame| frame.k);
     let (least, most) = (ks.clone().min().unwrap_or(0), ks.max().unwrap_or(0));
+    let scales = frames.iter().map(|frame| frame.scale);
+    let (smallest, largest) = (scales.clone().fold(1.0, f32::min), scales.fold(0.0, f32::max));
     console::note(&format!(
-        "{} frames in {:?}: median {:.2} ms, p99 {:.2} ms, longest {:.2} ms, target {} ms; K {least} to {most}",
+        "{} frames in {:?}: median {:.2} ms, p99 {:.2} ms, longest {:.2} ms, target {} ms; K {least} to {most}, scale {smallest} to {largest}",
         frames.len(),
         args.time,
         at(0.5),
@@ -49,7 +55,7 @@ pub fn run(args: &HoldArgs) -> Outcome {
     ));
     let rows = frames
         .iter()
-        .map(|f| json!({ "at": f.at, "ms": f.seconds * 1e3, "k": f.k, "samples": f.samples }))
+        .map(|f| json!({ "at": f.at, "ms": f.seconds * 1e3, "k": f.k, "samples": f.samples, "scale": f.scale }))
         .chain([
             json!({ "median_ms": at(0.5), "p99_ms": at(0.99), "longest_ms": at(1.0), "target_ms": args.ms }),
         ]);
@@ -59,19 +65,24 @@ pub fn run(args: &HoldArgs) -> Outcome {
 fn frames(bench: &Bench, args: &HoldArgs) -> Outcome<Vec<Frame>> {
     let k_step =
         IntegratorSettings { integrator: Integrator::Bdpt, join: Join::KStep, k: 1, ..Default::default() };
-    let mut renderer = bench.renderer(bench.settings(k_step))?;
+    let whole = bench.settings(k_step);
+    let mut renderer = bench.renderer(whole.clone())?;
     let mut hold = Hold::new(HoldLimits {
         target: Duration::from_secs_f32(args.ms * 1e-3),
         least_k: 1,
         most_k: MOST_K,
         most_samples: MOST_SAMPLES,
-        least_scale: 1.0,
+        least_scale: LEAST_SCALE,
     });
     let (start, mut frames) = (Instant::now(), Vec::new());
     while start.elapsed() < args.time {
         let at = start.elapsed().as_secs_f64();
         let (load, begin) = (hold.load(), Instant::now());
-        renderer.set_k(load.k).map_err(failure)?;
+        let side = |pixels: u32| ((pixels as f32 * load.scale) as u32).max(1);
+        let mut settings =
+            RenderSettings { width: side(whole.width), height: side(whole.height), ..whole.clone() };
+        settings.integrator.k = load.k;
+        renderer.set_settings(settings).map_err(failure)?;
         renderer
             .set_camera(bench.scene(), &swayed(bench.scene(), bench.camera(), at as f32))
             .map_err(failure)?;
@@ -81,7 +92,8 @@ fn frames(bench: &Bench, args: &HoldArgs) -> Outcome<Vec<Frame>> {
         renderer.image().map_err(failure)?;
         let seconds = begin.elapsed();
         hold.observe(load, seconds);
-        frames.push(Frame { at, seconds: seconds.as_secs_f64(), k: load.k, samples: load.samples });
+        let Load { k, samples, scale } = load;
+        frames.push(Frame { at, seconds: seconds.as_secs_f64(), k, samples, scale });
     }
     Ok(frames)
 }

@@ -80,7 +80,9 @@ impl RenderJob {
     /// # Errors
     /// If the device fails.
     pub fn channels(&self) -> Outcome<Vec<Channel>> {
-        self.renderer.channels().map_err(failure)
+        let mut channels = self.renderer.channels().map_err(failure)?;
+        channels.extend(self.renderer.group_channels().map_err(failure)?);
+        Ok(channels)
     }
 
     /// The buffers that it took.
@@ -133,6 +135,7 @@ pub fn settings(args: &RenderArgs, frame: &Frame) -> RenderSettings {
         seed: args.seed,
         filter: filter(args),
         aovs: args.aov.0.clone(),
+        light_groups: args.light_groups.is_some(),
         integrator: integrator(args),
         max_path_length: args.max_path_length,
         rng: match args.rng {

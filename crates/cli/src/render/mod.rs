@@ -45,13 +45,17 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     if !args.aov.0.is_empty() && !outputs.hold_layers() {
         return Err(Failure::usage("--aov works with an .exr output only"));
     }
+    if args.light_groups.is_some() && !outputs.hold_layers() {
+        return Err(Failure::usage("--light-groups works with an .exr output only"));
+    }
     args.errors.as_deref().map_or(Ok(()), check_writable)?;
     let interrupt = Interrupt::install()?;
     let reporter = Reporter::new(args.progress, args.quiet);
     let mut loaded = scene_file::load(&args.scene)?;
     environment::replace(args, &mut loaded)?;
     loaded.warnings().iter().for_each(|warning| reporter.warning(warning));
-    let LoadedScene { scene, .. } = loaded;
+    let LoadedScene { mut scene, .. } = loaded;
+    scene_file::group_lights(&mut scene, args.light_groups.as_ref())?;
     if args.verbose {
         info::to_lines(&scene).iter().for_each(|line| reporter.note(line));
     }

@@ -9,7 +9,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 use glam::{DMat4, Vec3};
 use midway_scene::{Light, LightKind, SpotFalloff};
 
-use super::{cameras::without_scale, json::Json};
+use super::{cameras::without_scale, json::Json, nodes::light_group};
 use crate::{
     ImportError,
     warning::{WarningKind, Warnings},
@@ -77,7 +77,7 @@ impl<'a> Lights<'a> {
             _ => return Err(kind.malformed("a light's type is point, spot or directional")),
         };
         let name = if node.name().is_empty() { light.name() } else { node.name() };
-        Ok(Some(Light { name, kind }))
+        Ok(Some(Light { name, kind, group: light_group(node) }))
     }
 
     fn intensity(&self, light: &Json) -> Result<Vec3, ImportError> {

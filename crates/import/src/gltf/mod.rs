@@ -93,6 +93,7 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
         images: textures.into_images(warnings),
         lights: placed.lights,
         environment: None,
+        environment_group: None,
     })
 }
 

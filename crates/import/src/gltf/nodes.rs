@@ -1,5 +1,7 @@
 //! The node tree: what is where.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use midway_scene::{Camera, Instance, Light};
 
@@ -115,15 +117,23 @@ impl Walk<'_, '_> {
     /// A node's mesh, once or, with `EXT_mesh_gpu_instancing`, many times.
     fn mesh(&mut self, mesh: &Json, node: &Json, world_from_node: &DMat4) -> Result<(), ImportError> {
         let own = self.meshes.of(node, mesh, self.warnings)?;
+        let group = light_group(node);
+        let group = group.or(Some(node.name()).filter(|name| !name.is_empty()).map(Arc::from));
         match instancing::node_from_instances(node, self.meshes.accessors())? {
-            Some(places) => {
-                places.iter().try_for_each(|place| self.place(&own, node, &(*world_from_node * *place)))
-            }
-            None => self.place(&own, node, world_from_node),
+            Some(places) => places
+                .iter()
+                .try_for_each(|place| self.place(&own, node, &(*world_from_node * *place), group.as_ref())),
+            None => self.place(&own, node, world_from_node, group.as_ref()),
         }
     }
 
-    fn place(&mut self, own: &[u32], node: &Json, world_from_mesh: &DMat4) -> Result<(), ImportError> {
+    fn place(
+        &mut self,
+        own: &[u32],
+        node: &Json,
+        world_from_mesh: &DMat4,
+        light_group: Option<&Arc<str>>,
+    ) -> Result<(), ImportError> {
         let world_from_mesh = world_from_mesh.as_mat4();
         if !world_from_mesh.is_finite() || world_from_mesh.row(3) != glam::Vec4::W {
             return Err(node.malformed("the node's transform is not finite and affine"));
@@ -144,8 +154,16 @@ impl Walk<'_, '_> {
             if self.n_triangles > MAX_TRIANGLES {
                 return too_big("the nodes place too many triangles", MAX_TRIANGLES);
             }
-            self.placed.instances.push(Instance { mesh, world_from_mesh });
+            self.placed.instances.push(Instance { mesh, world_from_mesh, light_group: light_group.cloned() });
         }
         Ok(())
     }
+}
+
+/// The group of lights that a node is put into: its `lightgroup` among the extras, as exporters write an
+/// object's own properties (Blender: a custom property of that name).
+pub(super) fn light_group(node: &Json) -> Option<Arc<str>> {
+    let extras = node.get("extras")?;
+    let name = extras.get("lightgroup")?.string().ok()?;
+    (!name.trim().is_empty()).then(|| Arc::from(name))
 }

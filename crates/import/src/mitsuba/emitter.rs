@@ -32,7 +32,7 @@ impl Loader<'_> {
     }
 
     fn light(&mut self, node: Node, kind: LightKind) {
-        self.scene.lights.push(Light { name: node.id().to_owned(), kind });
+        self.scene.lights.push(Light { name: node.id().to_owned(), kind, group: None });
     }
 
     /// What an emitter emits, W·m⁻²·sr⁻¹, W·sr⁻¹ or W·m⁻²; 1 where the file says nothing.

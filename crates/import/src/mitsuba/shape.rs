@@ -155,7 +155,7 @@ impl Loader<'_> {
             self.warn(WarningKind::Repaired, node, "shapes that are flattened to nothing are left out");
             return Ok(());
         }
-        self.scene.instances.push(Instance { mesh, world_from_mesh });
+        self.scene.instances.push(Instance { mesh, world_from_mesh, light_group: None });
         Ok(())
     }
 

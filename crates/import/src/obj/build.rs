@@ -66,7 +66,11 @@ pub(super) fn build(
             warnings.add(WarningKind::Repaired, mesh.name.clone(), message);
         }
         let mesh_index = scene.meshes.len() as u32;
-        scene.instances.push(Instance { mesh: mesh_index, world_from_mesh: Mat4::IDENTITY });
+        scene.instances.push(Instance {
+            mesh: mesh_index,
+            world_from_mesh: Mat4::IDENTITY,
+            light_group: None,
+        });
         scene.meshes.push(mesh);
     }
     Ok(())

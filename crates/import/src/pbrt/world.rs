@@ -188,14 +188,16 @@ impl World {
         for material in &mut self.materials {
             material.emission.value *= exposure;
         }
-        let lights = self
-            .lights
-            .iter()
-            .map(|kind| Light { name: String::new(), kind: moved(*kind, scene_from_world, exposure) });
+        let lights = self.lights.iter().map(|kind| Light {
+            name: String::new(),
+            kind: moved(*kind, scene_from_world, exposure),
+            group: None,
+        });
         let lights = lights.collect();
         let instances = self.placed.iter().map(|placed| Instance {
             mesh: placed.mesh,
             world_from_mesh: (scene_from_world * placed.world_from_mesh).as_mat4(),
+            light_group: None,
         });
         let environment = self.sky.map(|sky| Environment {
             radiance: sky.radiance * exposure,

@@ -32,7 +32,7 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
     }
     Ok(Scene {
         meshes: vec![mesh],
-        instances: vec![Instance { mesh: 0, world_from_mesh: Mat4::IDENTITY }],
+        instances: vec![Instance { mesh: 0, world_from_mesh: Mat4::IDENTITY, light_group: None }],
         materials: vec![material],
         ..Scene::default()
     })

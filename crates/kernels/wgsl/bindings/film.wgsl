@@ -1,4 +1,5 @@
-// The film: sums of contributions, six words a pixel (low and high of R, G, B).
+// The film: sums of contributions, six words a pixel (low and high of R, G, B). Where groups of lights
+// are kept apart there is such a film for each, one behind the other; the image is their sum.
 
 const FILM_STRIDE: u32 = 6u;
 
@@ -17,8 +18,9 @@ fn film_add_channel(word: u32, value: f32) {
     }
 }
 
-/// Adds radiance to the sum of a pixel of the window, given by its number in the full film. What is not a finite, non-negative number is counted instead.
-fn film_add(pixel: u32, contribution: vec3<f32>) {
+/// Adds radiance that comes from a light of `group` to the sum of a pixel of the window, given by its
+/// number in the full film. What is not a finite, non-negative number is counted instead.
+fn film_add(pixel: u32, group: u32, contribution: vec3<f32>) {
     let largest = max3(contribution);
     let smallest = min(contribution.x, min(contribution.y, contribution.z));
     let finite = is_finite(contribution.x) && is_finite(contribution.y) && is_finite(contribution.z);
@@ -27,8 +29,25 @@ fn film_add(pixel: u32, contribution: vec3<f32>) {
         return;
     }
     let scale = select(1.0, params.clamp / largest, largest > params.clamp);
-    let word = window_pixel(pixel) * FILM_STRIDE;
+    let first = select(0u, group * params.n_pixels, keeps_groups());
+    let word = (first + window_pixel(pixel)) * FILM_STRIDE;
     film_add_channel(word, contribution.x * scale);
     film_add_channel(word + 2u, contribution.y * scale);
     film_add_channel(word + 4u, contribution.z * scale);
+}
+
+/// The sum of a channel (0, 2 or 4: its word) of a pixel of the window over all groups, as (low, high):
+/// the very integer that one film of them all would hold.
+fn film_sum(pixel: u32, channel: u32) -> vec2<u32> {
+    let word = pixel * FILM_STRIDE + channel;
+    var sum = vec2<u32>(atomicLoad(&film[word]), atomicLoad(&film[word + 1u]));
+    if (!keeps_groups()) {
+        return sum;
+    }
+    for (var group = 1u; group < params.n_groups; group += 1u) {
+        let at = word + group * params.n_pixels * FILM_STRIDE;
+        let low = sum.x + atomicLoad(&film[at]);
+        sum = vec2<u32>(low, sum.y + atomicLoad(&film[at + 1u]) + select(0u, 1u, low < sum.x));
+    }
+    return sum;
 }

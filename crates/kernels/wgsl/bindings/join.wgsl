@@ -6,13 +6,15 @@ struct Join {
     mis_weight: f32,
     /// The light vertex's chance of being an end, as it enters MIS factors.
     ending: f32,
+    /// Of the light path's light.
+    group: u32,
     /// Of the shadow ray, off both surfaces.
     start: vec3<f32>,
     end: vec3<f32>,
 }
 
 fn no_join() -> Join {
-    return Join(vec3<f32>(0.0), 0.0, 1.0, vec3<f32>(0.0), vec3<f32>(0.0));
+    return Join(vec3<f32>(0.0), 0.0, 1.0, 0u, vec3<f32>(0.0), vec3<f32>(0.0));
 }
 
 /// The light path joined to a camera path: its own, or one of the pool drawn for this vertex.
@@ -50,7 +52,7 @@ fn evaluate_join(path: Path, vertex: Vertex, stored: LightVertex) -> Join {
         return no_join();
     }
     return Join(contribution, join_mis_weight(path, vertex, stored, ends, cosines / distance_squared),
-        ending_chance(mis_config(), survival(ends.y_material)),
+        ending_chance(mis_config(), survival(ends.y_material)), stored.group,
         offset_origin(vertex.surface.position, normal_towards(vertex.surface, wi)),
         offset_origin(stored.position, normal_towards(y_surface, -wi)));
 }
@@ -101,6 +103,6 @@ fn push_join(path: Path, s: u32, joined: Join, estimator: f32) {
     let weight = strategy_weight(s, path.depth + 2u, joined.mis_weight);
     let contribution = joined.contribution * (weight * estimator);
     if (contributes(contribution)) {
-        push_shadow_ray(path.index, joined.start, joined.end, contribution);
+        push_shadow_ray(path.index, joined.group, joined.start, joined.end, contribution);
     }
 }

@@ -1,8 +1,8 @@
 // Strategy (1, t): a camera vertex joined to a point on a light.
 
-/// One shadow ray. factor: c of the strategy (lib/mis.wgsl); estimator: what the contribution is
+/// One shadow ray. group: the light's; factor: c of the strategy (lib/mis.wgsl); estimator: what the contribution is
 /// multiplied by for the chance of the join.
-fn join_light(path: Path, vertex: Vertex, light: LightSample, factor: f32, estimator: f32) {
+fn join_light(path: Path, vertex: Vertex, group: u32, light: LightSample, factor: f32, estimator: f32) {
     let t = path.depth + 2u;
     if (light.pdf <= 0.0 || !contributes(light.arriving)) {
         return;
@@ -17,7 +17,7 @@ fn join_light(path: Path, vertex: Vertex, light: LightSample, factor: f32, estim
     let contribution = vertex.throughput * terms.f * light.arriving * medium_transmittance(medium, light.distance)
         * (abs(dot(vertex.surface.ng, light.wi)) / light.pdf * weight * estimator);
     if (contributes(contribution)) {
-        push_shadow_ray(path.index, offset_origin(vertex.surface.position, normal_towards(vertex.surface, light.wi)),
+        push_shadow_ray(path.index, group, offset_origin(vertex.surface.position, normal_towards(vertex.surface, light.wi)),
             light.end, contribution);
     }
 }

@@ -25,8 +25,9 @@ struct LightVertex {
     /// The slot of the vertex before (full, pool), or the chance of having ended there as bits
     /// (single-step); at y_0 the light's index.
     link: u32,
-    /// Its number s: 1 on the light.
+    /// Its number s, 1 on the light, at most 2^15 + 1; and the group of its path's light: 16 bits each.
     s: u32,
+    group: u32,
 }
 
 fn load_light_vertex(slot: u32) -> LightVertex {
@@ -35,7 +36,9 @@ fn load_light_vertex(slot: u32) -> LightVertex {
     let b = light_vertices[at + 1u];
     let c = light_vertices[at + 2u];
     let d = light_vertices[at + 3u];
-    return LightVertex(a.xyz, bitcast<u32>(a.w), b.xyz, b.w, c.xyz, c.w, d.x, d.y, bitcast<u32>(d.z), bitcast<u32>(d.w));
+    let counts = bitcast<u32>(d.w);
+    return LightVertex(a.xyz, bitcast<u32>(a.w), b.xyz, b.w, c.xyz, c.w, d.x, d.y, bitcast<u32>(d.z), counts & 0xffffu,
+        counts >> 16u);
 }
 
 fn store_light_vertex(slot: u32, vertex: LightVertex) {
@@ -43,7 +46,8 @@ fn store_light_vertex(slot: u32, vertex: LightVertex) {
     light_vertices[at] = vec4<f32>(vertex.position, bitcast<f32>(vertex.triangle));
     light_vertices[at + 1u] = vec4<f32>(vertex.throughput, vertex.dvcm);
     light_vertices[at + 2u] = vec4<f32>(vertex.wo, vertex.dvc);
-    light_vertices[at + 3u] = vec4<f32>(vertex.u, vertex.v, bitcast<f32>(vertex.link), bitcast<f32>(vertex.s));
+    light_vertices[at + 3u] = vec4<f32>(vertex.u, vertex.v, bitcast<f32>(vertex.link),
+        bitcast<f32>(vertex.s | (vertex.group << 16u)));
 }
 
 /// The recursive quantities at a stored vertex.

@@ -30,6 +30,8 @@ struct Light {
     measure: f32,
     /// The medium (material) around it, or NONE.
     medium: u32,
+    /// Its group.
+    group: u32,
 }
 
 /// A point on a light; at infinity a direction.
@@ -85,7 +87,16 @@ fn load_light(index: u32) -> Light {
     let at = params.lights_at + index * LIGHT_STRIDE;
     let a = scene[at];
     let b = scene[at + 1u];
-    return Light(bitcast<u32>(b.z), bitcast<u32>(a.x), a.y, a.z, bitcast<u32>(a.w), b.x, bitcast<u32>(b.y));
+    return Light(bitcast<u32>(b.z), bitcast<u32>(a.x), a.y, a.z, bitcast<u32>(a.w), b.x, bitcast<u32>(b.y),
+        bitcast<u32>(b.w));
+}
+
+/// The group of a light by its place, where groups are kept apart.
+fn group_of_light(index: u32) -> u32 {
+    if (!keeps_groups() || index == NONE) {
+        return 0u;
+    }
+    return load_light(index).group;
 }
 
 /// A light for u in [0, 1); n_lights > 0.

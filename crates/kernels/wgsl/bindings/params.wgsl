@@ -93,6 +93,8 @@ struct Params {
     /// What encode_display multiplies radiance by, and then does: TONE_MAP_*.
     exposure_scale: f32,
     tone_map: u32,
+    /// Groups of lights that the film keeps apart, at least 1.
+    n_groups: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -103,6 +105,11 @@ const GRID_ROW: u32 = 2097152u;
 /// The index of an invocation in its dispatch.
 fn invocation_index(id: vec3<u32>) -> u32 {
     return id.y * GRID_ROW + id.x;
+}
+
+/// Whether contributions are told apart by the group of the light that they come from.
+fn keeps_groups() -> bool {
+    return may_have(FEATURE_LIGHT_GROUPS) && params.n_groups > 1u;
 }
 
 fn has_flag(flag: u32) -> bool {

@@ -28,7 +28,7 @@ fn start_light_path(id: u32, place: u32) -> bool {
         return false;
     }
     let vertex = LightVertex(point.position, light_triangle(light), point.emission / point.pdf, 0.0,
-        point.normal, 0.0, point.uv.x, point.uv.y, light_index, 1u);
+        point.normal, 0.0, point.uv.x, point.uv.y, light_index, 1u, light.group);
     let splats = has_flag(FLAG_SPLAT_EMITTERS) && light.kind == LIGHT_TRIANGLE;
     if (splats) {
         append_light_vertex(vertex);
@@ -57,6 +57,16 @@ fn start_light_path(id: u32, place: u32) -> bool {
     store_path(id, Path(emitted.origin, index, emitted.direction, 0u, 0u, is_infinite(light), throughput, sample, state,
         light.medium));
     return true;
+}
+
+/// The group of a light path's light, where groups are kept apart: drawn again by the numbers that it
+/// was drawn by, so that a path under way needs no room for it.
+fn light_path_group(path: Path) -> u32 {
+    if (!keeps_groups()) {
+        return 0u;
+    }
+    let u_point = random(path.index, path.sample, dimension(DRAW_LIGHT + DRAW_EMIT_POINT, 0u));
+    return load_light(pick_light(u_point.x)).group; // there is a light: the path began at one
 }
 
 /// The next light paths of the batch, until one is there to be traced, in the slot of one that ended.

@@ -37,6 +37,8 @@ const FEATURE_TRANSMISSION: u32 = 131072u;
 const FEATURE_TEXTURED_LIGHTS: u32 = 262144u;
 /// A table of pre-generated random numbers.
 const FEATURE_RANDOM_TABLE: u32 = 32768u;
+/// What each group of lights adds to the image is kept apart.
+const FEATURE_LIGHT_GROUPS: u32 = 262144u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {

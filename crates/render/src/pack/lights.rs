@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use midway_kernels::constants as k;
-use midway_scene::{LightKind, SpotFalloff, WorldTriangle};
+use midway_scene::{LightGroups, LightKind, SpotFalloff, WorldTriangle};
 
 use super::{Word4, medium_or_none, word4};
 use crate::{
@@ -17,6 +17,7 @@ const SLANTED: Vec3 = Vec3::new(0.267_261, 0.534_522, 0.801_784);
 /// All lights, with the table that draws them, and behind the records what triangles do not need.
 pub(super) fn pack_lights(
     lights: &Lights,
+    groups: &LightGroups,
     world: &World<'_>,
     media: &MediumFinder<'_>,
     words: &mut Vec<Word4>,
@@ -24,20 +25,22 @@ pub(super) fn pack_lights(
     let details_at = words.len() + lights.lights.len() * k::LIGHT_STRIDE as usize;
     let mut details = Vec::new();
     for (light, entry) in lights.lights.iter().zip(&lights.table) {
-        let (kind, data, medium) = match light.source {
+        let (kind, data, medium, group) = match light.source {
             LightSource::Triangle(index) => {
-                (k::LIGHT_TRIANGLE, index, medium_at_triangle(&world.triangle(index), media))
+                let triangle = world.triangle(index);
+                let group = groups.instances[triangle.instance as usize];
+                (k::LIGHT_TRIANGLE, index, medium_at_triangle(&triangle, media), group)
             }
             LightSource::Delta(index) => {
                 let at = (details_at + details.len()) as u32;
                 let (kind, medium) =
                     pack_delta(&world.scene().lights[index as usize].kind, media, &mut details);
-                (kind, at, medium)
+                (kind, at, medium, groups.lights[index as usize])
             }
-            LightSource::Environment => (k::LIGHT_ENVIRONMENT, 0, k::NONE),
+            LightSource::Environment => (k::LIGHT_ENVIRONMENT, 0, k::NONE, groups.environment),
         };
         words.push([data, entry.pmf.to_bits(), entry.threshold.to_bits(), entry.alias]);
-        words.push([light.measure.to_bits(), medium, kind, 0]);
+        words.push([light.measure.to_bits(), medium, kind, group.into()]);
     }
     words.extend(details);
 }

@@ -72,6 +72,8 @@ pub struct PackedScene {
     pub srgb_at: u32,
     /// Where materials' records of textures start.
     pub slots_at: u32,
+    /// Groups of lights, at least one.
+    pub light_groups: Vec<Arc<str>>,
     /// The medium that the camera is in, or the kernels' NONE.
     pub camera_medium: u32,
     /// What kernels need for all this: `FEATURE_*` in WGSL.
@@ -108,7 +110,8 @@ impl PackedScene {
         }
         images.check()?;
         let lights_at = words.len() as u32;
-        pack_lights(&lights, &world, &media, &mut words);
+        let groups = scene.light_groups();
+        pack_lights(&lights, &groups, &world, &media, &mut words);
         let environment_at = environment.as_ref().map_or(k::NONE, |_| words.len() as u32);
         if let Some(environment) = &environment {
             pack_environment(environment, lights.environment(), &mut words);
@@ -155,6 +158,7 @@ impl PackedScene {
             textures_at,
             srgb_at,
             slots_at,
+            light_groups: groups.names,
             camera_medium,
             features,
         })

@@ -22,7 +22,7 @@ pub fn generated_scene(n_triangles: u32) -> Scene {
     }
     let mut scene = Scene {
         meshes: vec![mesh],
-        instances: vec![Instance { mesh: 0, world_from_mesh: Mat4::IDENTITY }],
+        instances: vec![Instance { mesh: 0, world_from_mesh: Mat4::IDENTITY, light_group: None }],
         materials: vec![Material::new(Surface::diffuse(Vec3::splat(0.7)))],
         ..Scene::default()
     };
@@ -38,7 +38,7 @@ pub fn add_point_lights(scene: &mut Scene, n: u32) {
     scene.lights.extend((0..n).map(|light| {
         let [x, y, z, _] = native::random4(light, 0, 0, 2);
         let position = bounds.centre() + 1.2 * size * (Vec3::new(x, y, z) - 0.5);
-        Light { name: String::new(), kind: LightKind::Point { position, intensity } }
+        Light { name: String::new(), kind: LightKind::Point { position, intensity }, group: None }
     }));
 }
 

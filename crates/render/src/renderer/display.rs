@@ -15,7 +15,8 @@ pub(super) struct Encoder {
 
 impl Renderer {
     /// The image so far as [`Display::encode_u8`] shows it: four bytes a pixel, R, G, B and 255, row by
-    /// row from the top left of the rendered window.
+    /// row from the top left of the rendered window. With the mix of
+    /// [`Renderer::set_mix`].
     ///
     /// # Errors
     /// If the device fails.
@@ -37,7 +38,9 @@ impl Renderer {
         };
         self.device.write_buffer(&self.resolve_params, 0, bytemuck::bytes_of(&params))?;
         let n = params.n_pixels;
-        self.device.run(&[dispatch(&self.resolve, n), dispatch(&encoder.kernel, n)], false)?;
+        let resolve = if self.pass.is_none() { Some(self.resolve_shown()?) } else { None };
+        let commands: Vec<_> = resolve.into_iter().chain([dispatch(&encoder.kernel, n)]).collect();
+        self.device.run(&commands, false)?;
         Ok(self.device.read_buffer(&encoder.pixels, 0, u64::from(n) * 4)?)
     }
 

@@ -58,7 +58,12 @@ impl Renderer {
             return Ok(());
         }
         let keeps_samples = differs_in_k_alone(&self.settings, &settings);
-        if n_pixels(&settings) > self.kept.n_pixels || settings.aovs != self.settings.aovs {
+        if keeps_samples && self.pass.is_some() {
+            self.step(1)?; // a pass has one K
+        }
+        let buffers_differ =
+            settings.aovs != self.settings.aovs || settings.light_groups != self.settings.light_groups;
+        if n_pixels(&settings) > self.kept.n_pixels || buffers_differ {
             return self.rebuild(settings, false);
         }
         let (base, mean) = self.kept.base_params(&*self.device, &settings)?;
@@ -82,7 +87,8 @@ impl Renderer {
         settings.validate()?;
         let mut kept = self.kept.clone();
         kept.n_pixels = n_pixels(&settings);
-        make_film(&*self.device, &mut kept.shared, kept.n_pixels)?;
+        kept.n_groups = kept.groups_of(&settings);
+        make_film(&*self.device, &mut kept.shared, kept.n_pixels, kept.n_groups)?;
         Self::build(Arc::clone(&self.device), kept, settings, |_| {})
     }
 
@@ -111,10 +117,10 @@ impl Renderer {
     /// Takes working buffers anew, around the same scene.
     fn rebuild(&mut self, settings: RenderSettings, keeps_samples: bool) -> Result<(), RenderError> {
         let mut kept: Kept = self.kept.clone();
-        let n_pixels = n_pixels(&settings);
-        if n_pixels > kept.n_pixels {
-            kept.n_pixels = n_pixels;
-            make_film(&*self.device, &mut kept.shared, n_pixels)?;
+        let (n_pixels, n_groups) = (n_pixels(&settings), kept.groups_of(&settings));
+        if n_pixels > kept.n_pixels || n_groups != kept.n_groups {
+            (kept.n_pixels, kept.n_groups) = (n_pixels.max(kept.n_pixels), n_groups);
+            make_film(&*self.device, &mut kept.shared, kept.n_pixels, n_groups)?;
         }
         let mut next = Self::build(Arc::clone(&self.device), kept, settings, |_| {})?;
         if keeps_samples {
@@ -124,6 +130,7 @@ impl Renderer {
             next.batch.store(self.batch.load(Ordering::Relaxed).min(n_paths), Ordering::Relaxed);
         }
         next.carried = self.totals()?;
+        next.shown_mix = std::mem::take(&mut self.shown_mix);
         *self = next;
         if keeps_samples { Ok(()) } else { self.restart() }
     }

@@ -48,7 +48,7 @@ fn scene() -> Scene {
         let scale = Vec3::new(0.5 + 0.1 * i as f32, side, 1.5);
         let turn = Quat::from_euler(EulerRot::XYZ, i as f32, 0.3, 0.1 * i as f32);
         let world_from_mesh = Mat4::from_scale_rotation_translation(scale, turn, Vec3::X * i as f32);
-        Instance { mesh, world_from_mesh }
+        Instance { mesh, world_from_mesh, light_group: None }
     };
     scene.meshes.extend([ball, plain]);
     scene.instances.extend((0..15).map(|i| instance(1, i)));
