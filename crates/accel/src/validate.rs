@@ -14,19 +14,6 @@ impl Bvh {
     ///
     /// [`AccelError::Invalid`] says what is broken first.
     pub fn validate(&self, triangles: &[[Vec3; 3]]) -> Result<(), AccelError> {
-        self.validate_with_instances(triangles, &[])
-    }
-
-    /// As [`Bvh::validate`], and that every instance is reached exactly once, in a box that holds it.
-    ///
-    /// # Errors
-    ///
-    /// As [`Bvh::validate`].
-    pub fn validate_with_instances(
-        &self,
-        triangles: &[[Vec3; 3]],
-        instances: &[Bounds],
-    ) -> Result<(), AccelError> {
         if self.nodes.is_empty() || !self.nodes.len().is_multiple_of(4) {
             return invalid(format!("{} vec4 are not whole nodes", self.nodes.len()));
         }
@@ -36,8 +23,6 @@ impl Bvh {
         let mut walk = Walk {
             bvh: self,
             triangles,
-            instances,
-            instances_seen: vec![false; instances.len()],
             nodes_seen: vec![false; self.nodes.len() / 4],
             slots_seen: vec![false; self.primitives.len()],
             leaf_boxes: vec![Bounds::EMPTY; triangles.len()],
@@ -55,8 +40,6 @@ fn invalid<T>(what: String) -> Result<T, AccelError> {
 struct Walk<'a> {
     bvh: &'a Bvh,
     triangles: &'a [[Vec3; 3]],
-    instances: &'a [Bounds],
-    instances_seen: Vec<bool>,
     nodes_seen: Vec<bool>,
     slots_seen: Vec<bool>,
     /// Around all leaves that hold a triangle.
@@ -85,7 +68,6 @@ impl Walk<'_> {
             match child {
                 Child::Inner(inner) => self.node(inner, &child_bounds, depth + 1)?,
                 Child::Leaf { first, count } => self.leaf(first, count, &child_bounds)?,
-                Child::Instance(instance) => self.instance(instance, &child_bounds)?,
             }
         }
         Ok(())
@@ -115,27 +97,12 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn instance(&mut self, instance: u32, bounds: &Bounds) -> Result<(), AccelError> {
-        match self.instances_seen.get_mut(instance as usize) {
-            None => return invalid(format!("instance {instance} does not exist")),
-            Some(true) => return invalid(format!("instance {instance} is reached twice")),
-            Some(seen) => *seen = true,
-        }
-        if !bounds.contains(&self.instances[instance as usize]) {
-            return invalid(format!("instance {instance} is not within its box"));
-        }
-        Ok(())
-    }
-
     fn finish(&self) -> Result<(), AccelError> {
         if let Some(node) = self.nodes_seen.iter().position(|seen| !seen) {
             return invalid(format!("node {node} cannot be reached"));
         }
         if let Some(slot) = self.slots_seen.iter().position(|seen| !seen) {
             return invalid(format!("slot {slot} cannot be reached"));
-        }
-        if let Some(instance) = self.instances_seen.iter().position(|seen| !seen) {
-            return invalid(format!("instance {instance} cannot be reached"));
         }
         for (i, vertices) in self.triangles.iter().enumerate() {
             let whole = Bounds::of_points(vertices);

@@ -4,7 +4,8 @@ mod common;
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use midway_accel::{
-    BuildOptions, Bvh, Child, Hit, MESH_OPTIONS, Placement, STACK_SIZE, TwoLevel, build, closest_hit,
+    BuildOptions, Child, Hierarchy, Hit, MESH_OPTIONS, Placement, STACK_SIZE, TwoLevel, WideBvh, WideNode,
+    build_wide, closest_hit,
 };
 
 use common::{Random, Triangles, inputs, soup};
@@ -28,7 +29,7 @@ fn placements(n: usize, n_meshes: u32, reach: f32, seed: u64) -> Vec<Placement> 
 }
 
 fn two_level(world: &Triangles, meshes: &[Triangles], placements: Vec<Placement>) -> TwoLevel {
-    let bvhs = meshes.iter().map(|m| build(m, &MESH_OPTIONS).unwrap()).collect();
+    let bvhs = meshes.iter().map(|m| build_wide(m, &MESH_OPTIONS).unwrap()).collect();
     TwoLevel::build(world, bvhs, placements, &BuildOptions::default()).unwrap()
 }
 
@@ -58,7 +59,7 @@ fn placed_meshes_are_met_as_if_they_were_copied() {
     let world = soup(200, 0.3, 6.0, 3);
     let two_level = two_level(&world, &meshes, placements(40, 2, 6.0, 4));
     let all = flattened(&world, &meshes, &two_level.placements);
-    let flat = build(&all, &BuildOptions::default()).unwrap();
+    let flat = build_wide(&all, &BuildOptions::default()).unwrap();
     let first = |placement: usize| -> usize {
         let before = two_level.placements[..placement].iter();
         world.len() + before.map(|p| meshes[p.mesh as usize].len()).sum::<usize>()
@@ -124,30 +125,33 @@ fn nodes_of_all_levels_lie_together() {
     let two_level = two_level(&world, &meshes, placements(10, 2, 6.0, 4));
     let first_ids: Vec<u32> = (0..10).map(|i| 1000 * i).collect();
     let words = two_level.nodes(&first_ids);
-    let all = Bvh { nodes: words.clone(), ..two_level.world.clone() };
-    let n_nodes: usize = two_level.slots().map(|bvh| bvh.nodes.len() / 4).sum();
-    assert_eq!(words.len(), 4 * (n_nodes + 10));
+    let n_nodes: usize = two_level.slots().map(|bvh| bvh.nodes.len()).sum();
+    assert_eq!(words.len(), WideNode::VEC4 * n_nodes + 4 * 10);
+    let nodes = words[..WideNode::VEC4 * n_nodes].chunks_exact(WideNode::VEC4);
+    let nodes = nodes.map(|node| WideNode(node.try_into().unwrap())).collect();
+    let all = WideBvh { nodes, ..two_level.world.clone() };
     let (mut first_node, mut first_slot) = (0, 0);
     let mut roots = Vec::new();
     for bvh in two_level.slots() {
         roots.push(first_node);
-        for node in 0..bvh.nodes.len() as u32 / 4 {
-            for (own, together) in bvh.children(node).into_iter().zip(all.children(first_node + node)) {
+        for node in 0..bvh.nodes.len() as u32 {
+            let together = all.children(first_node + node);
+            assert_eq!(bvh.children(node).count(), all.children(first_node + node).count());
+            for (own, together) in bvh.children(node).zip(together) {
                 let expected = match own.1 {
                     Child::Inner(inner) => Child::Inner(first_node + inner),
                     Child::Leaf { first, count } => Child::Leaf { first: first_slot + first, count },
-                    Child::Instance(placement) => Child::Instance(n_nodes as u32 + placement),
                 };
                 assert_eq!((own.0, expected), together);
             }
         }
-        first_node += bvh.nodes.len() as u32 / 4;
+        first_node += bvh.nodes.len() as u32;
         first_slot += bvh.primitives.len() as u32;
     }
-    for (placement, record) in two_level.placements.iter().zip(words[4 * n_nodes..].chunks_exact(4)) {
-        assert_eq!(record[3][0], roots[placement.mesh as usize + 1]);
+    for (i, placement) in (0..).zip(&two_level.placements) {
+        let record = &words[two_level.record(i) as usize..];
+        assert_eq!(record[3][..2], [roots[placement.mesh as usize + 1], first_ids[i as usize]]);
     }
-    assert_eq!(words[words.len() - 1][1], 9000);
 }
 
 /// `validate_with_instances` has to fail on each kind of damage.

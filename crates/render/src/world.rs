@@ -1,7 +1,7 @@
 //! Which geometry lies in the world as it is, and which is placed: how kernels number triangles.
 
 use glam::{DAffine3, DMat3, Vec3};
-use midway_accel::{BuildOptions, Hit, MAX_REFERENCES, MESH_OPTIONS, Placement, TwoLevel, build};
+use midway_accel::{BuildOptions, Hit, MAX_REFERENCES, MESH_OPTIONS, Placement, TwoLevel, build_wide};
 use midway_scene::{Bounds, PlacedMesh, Scene, WorldTriangle};
 
 use crate::RenderError;
@@ -151,7 +151,7 @@ impl<'a> World<'a> {
         let bottom = |&mesh: &u32| {
             let alone = self.scene.mesh_alone(mesh);
             let triangles: Vec<[Vec3; 3]> = (0..alone.n_triangles()).map(|t| alone.positions(t)).collect();
-            build(&triangles, &MESH_OPTIONS)
+            build_wide(&triangles, &MESH_OPTIONS)
         };
         let meshes = self.meshes.iter().map(bottom).collect::<Result<Vec<_>, _>>()?;
         let placements = self.placed().iter().map(|part| {

@@ -1,126 +1,207 @@
-// The acceleration structure and its traversal: BVH2 with both children's boxes in a node,
-// while-while (Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", 2009).
-// Two levels: a leaf of the world's hierarchy may be an instance, a mesh with a hierarchy of its own
+// The acceleration structure and its traversal: eight children a node, whose boxes take a byte a plane
+// (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
+// HPG 2017). What a ray meets of a node is two groups, each a base and bits: nodes, which are visited in the
+// order of the ray's octant, and leaf slots. crates/accel/src/wide/node.rs has the layout. On the CPU
+// closest_hit and any_hit are those of crates/kernels/src/traversal.
+//
+// Two levels: a leaf slot of the world's hierarchy may be an instance, a mesh with a hierarchy of its own
 // in its own frame. There the ray goes on in that frame, its direction not normalised, so that t is
 // the same in both; a mark on the stack says where it leaves.
 
-/// vec4 per node and per triangle.
-const NODE_STRIDE: u32 = 4u;
+/// vec4 per node and per leaf slot.
+const NODE_STRIDE: u32 = 5u;
 const TRIANGLE_STRIDE: u32 = 3u;
-const LEAF_BIT: u32 = 0x80000000u;
-const LEAF_COUNT_MASK: u32 = 15u;
-/// In place of a leaf's count: an instance, or one of the marks.
-const INSTANCE_COUNT: u32 = 15u;
-/// Entries; the builder keeps both levels together shallower.
+/// Groups; the builder keeps both levels together shallower.
 const STACK_SIZE: u32 = 64u;
-/// Below the bottom of the stack, and where the ray leaves an instance: no instance's references.
-const STACK_BOTTOM: u32 = 0xffffffffu;
-const STACK_LEAVE: u32 = 0xffffffefu;
+/// Bits of a group of nodes from here on say which are to be visited; its lowest byte says which children
+/// are nodes. A group of leaf slots has lower bits only.
+const FIRST_NODE_BIT: u32 = 0x01000000u;
+/// A group whose only node is at its base.
+const ROOT_GROUP: u32 = 0x80000000u;
+/// On the stack: the ray leaves an instance. No group is without bits.
+const LEAVE: vec2<u32> = vec2<u32>(0u, 0u);
+/// Exits are widened by 8 units in the last place, for the roundings of a slab's plane (Ize, "Robust
+/// BVH Ray Traversal", JCGT 2(2), 2013). What cancels is within the slack that a node's grid leaves.
+const FAR_FACTOR: f32 = 1.000001;
 
-/// Node: left min, left reference; left max, right reference; right min; right max. Instance: three
-/// rows of mesh_from_world, with what moves the mesh; the mesh's root, and what is added to its
-/// triangles.
+/// Nodes, then a record for each instance: three rows of mesh_from_world, with what moves the mesh; the
+/// mesh's root, and what is added to its triangles.
 @group(0) @binding(2) var<storage, read> nodes: array<vec4<u32>>;
 /// Leaf slot: first vertex and triangle index; an edge and SLOT_*; the other edge. Where a slot is not
-/// solid, `passes` says whether a ray does (bindings/opacity.wgsl).
+/// solid, `passes` says whether a ray does (bindings/opacity.wgsl). Of an instance the index is the place
+/// of its record.
 @group(0) @binding(3) var<storage, read> triangles: array<vec4<f32>>;
 
 const SLOT_SOLID: u32 = 0u;
 const SLOT_CUTOUT: u32 = 1u;
+const SLOT_INSTANCE: u32 = 2u;
 
 /// A ray in the frame of the hierarchy that it is in.
 struct LocalRay {
     origin: vec3<f32>,
     direction: vec3<f32>,
     inverse: vec3<f32>,
+    /// Seven less its octant, in each byte: with a slot by exclusive or, its place in the order of visits.
+    octant: u32,
     /// Added to a slot's triangle.
     first_id: u32,
     root: u32,
 }
 
-fn world_ray(origin: vec3<f32>, direction: vec3<f32>) -> LocalRay {
-    return LocalRay(origin, direction, safe_inverse(direction), 0u, 0u);
+fn local_ray(origin: vec3<f32>, direction: vec3<f32>, first_id: u32, root: u32) -> LocalRay {
+    let inverse = safe_inverse(direction);
+    let octant = select(0x04040404u, 0u, inverse.x < 0.0) | select(0x02020202u, 0u, inverse.y < 0.0)
+        | select(0x01010101u, 0u, inverse.z < 0.0);
+    return LocalRay(origin, direction, inverse, octant, first_id, root);
 }
 
-/// The ray in the frame of the mesh that a reference places. The origin is taken relative to where
+fn world_ray(origin: vec3<f32>, direction: vec3<f32>) -> LocalRay {
+    return local_ray(origin, direction, 0u, 0u);
+}
+
+/// The ray in the frame of the mesh that a record places. The origin is taken relative to where
 /// the mesh lies first, so that its rounding is that of the distance to the mesh.
-fn instance_ray(reference: u32, origin: vec3<f32>, direction: vec3<f32>) -> LocalRay {
-    let at = ((reference & ~LEAF_BIT) >> 4u) * NODE_STRIDE;
+fn instance_ray(at: u32, origin: vec3<f32>, direction: vec3<f32>) -> LocalRay {
     let x = bitcast<vec4<f32>>(nodes[at]);
     let y = bitcast<vec4<f32>>(nodes[at + 1u]);
     let z = bitcast<vec4<f32>>(nodes[at + 2u]);
     let ids = nodes[at + 3u];
     let from_mesh = origin - vec3<f32>(x.w, y.w, z.w);
-    let local = vec3<f32>(dot(x.xyz, direction), dot(y.xyz, direction), dot(z.xyz, direction));
-    return LocalRay(vec3<f32>(dot(x.xyz, from_mesh), dot(y.xyz, from_mesh), dot(z.xyz, from_mesh)), local,
-        safe_inverse(local), ids.y, ids.x);
+    return local_ray(vec3<f32>(dot(x.xyz, from_mesh), dot(y.xyz, from_mesh), dot(z.xyz, from_mesh)),
+        vec3<f32>(dot(x.xyz, direction), dot(y.xyz, direction), dot(z.xyz, direction)), ids.y, ids.x);
+}
+
+/// Bytes of a word as numbers.
+fn byte_floats(word: u32) -> vec4<f32> {
+    return vec4<f32>(vec4<u32>(word, word >> 8u, word >> 16u, word >> 24u) & vec4<u32>(255u));
+}
+
+/// Which of four children a ray meets before t_max, as bits of the groups. near and far: the planes' bytes.
+fn children_hit(meta4: u32, near_x: u32, near_y: u32, near_z: u32, far_x: u32, far_y: u32, far_z: u32, scale: vec3<f32>,
+    offset: vec3<f32>, octant: u32, t_max: f32) -> u32 {
+    let x0 = byte_floats(near_x) * scale.x + offset.x;
+    let y0 = byte_floats(near_y) * scale.y + offset.y;
+    let z0 = byte_floats(near_z) * scale.z + offset.z;
+    let x1 = byte_floats(far_x) * scale.x + offset.x;
+    let y1 = byte_floats(far_y) * scale.y + offset.y;
+    let z1 = byte_floats(far_z) * scale.z + offset.z;
+    let enter = greater4(greater4(x0, y0), greater4(z0, vec4<f32>(0.0)));
+    let leave = lesser4(lesser4(lesser4(x1, y1), z1) * FAR_FACTOR, vec4<f32>(t_max));
+    let is_hit = enter <= leave;
+    // Nodes have 24 and their slot in their byte's low bits: both bits of 24 are set in no leaf's.
+    let is_node = (meta4 & (meta4 << 1u)) & 0x10101010u;
+    let place4 = (meta4 ^ (octant & ((is_node >> 4u) * 255u))) & 0x1f1f1f1fu;
+    let bits4 = (meta4 >> 5u) & 0x07070707u;
+    return select(0u, (bits4 & 255u) << (place4 & 31u), is_hit.x)
+        | select(0u, ((bits4 >> 8u) & 255u) << ((place4 >> 8u) & 31u), is_hit.y)
+        | select(0u, ((bits4 >> 16u) & 255u) << ((place4 >> 16u) & 31u), is_hit.z)
+        | select(0u, (bits4 >> 24u) << (place4 >> 24u), is_hit.w);
+}
+
+/// min and max for slabs, which have no NaN (safe_inverse): a single instruction on a CPU, where
+/// WGSL's own, which must prefer the other operand to a NaN, take five.
+fn lesser4(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+    return select(b, a, a < b);
+}
+
+fn greater4(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+    return select(b, a, a > b);
+}
+
+/// What a ray meets of a node before t_max: a group of nodes and a group of leaf slots.
+fn visit_node(node: u32, ray: LocalRay, t_max: f32) -> vec4<u32> {
+    let at = node * NODE_STRIDE;
+    let n0 = nodes[at];
+    let n1 = nodes[at + 1u];
+    let n2 = nodes[at + 2u];
+    let n3 = nodes[at + 3u];
+    let n4 = nodes[at + 4u];
+    // Steps are powers of two: their exponents are all of them.
+    let step = bitcast<vec3<f32>>(((vec3<u32>(n0.w) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u)) << vec3<u32>(23u));
+    let scale = step * ray.inverse;
+    let offset = (bitcast<vec3<f32>>(n0.xyz) - ray.origin) * ray.inverse;
+    let negative = ray.inverse < vec3<f32>(0.0);
+    let near_x = select(n2.xy, n3.zw, negative.x);
+    let far_x = select(n3.zw, n2.xy, negative.x);
+    let near_y = select(n2.zw, n4.xy, negative.y);
+    let far_y = select(n4.xy, n2.zw, negative.y);
+    let near_z = select(n3.xy, n4.zw, negative.z);
+    let far_z = select(n4.zw, n3.xy, negative.z);
+    let bits = children_hit(n1.z, near_x.x, near_y.x, near_z.x, far_x.x, far_y.x, far_z.x, scale, offset, ray.octant, t_max)
+        | children_hit(n1.w, near_x.y, near_y.y, near_z.y, far_x.y, far_y.y, far_z.y, scale, offset, ray.octant, t_max);
+    return vec4<u32>(n1.x, (bits & ~(FIRST_NODE_BIT - 1u)) | (n0.w >> 24u), n1.y, bits & (FIRST_NODE_BIT - 1u));
+}
+
+/// The node that a bit of a group stands for.
+fn group_node(group: vec2<u32>, bit: u32, octant: u32) -> u32 {
+    let slot = (bit - 24u) ^ (octant & 7u);
+    return group.x + countOneBits(group.y & ~(0xffffffffu << slot) & 255u);
 }
 
 /// The nearest triangle with 0 < t < t_max; its `triangle` is NONE if there is none.
 fn closest_hit(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {
     var ray = world_ray(origin, direction);
     var hit = Hit(t_max, 0.0, 0.0, NONE);
-    var stack: array<u32, STACK_SIZE>;
-    stack[0] = STACK_BOTTOM;
-    var top = 1u;
-    var node = 0u;
+    var stack: array<vec2<u32>, STACK_SIZE>;
+    var top = 0u;
+    var group = vec2<u32>(0u, ROOT_GROUP);
     loop {
-        while ((node & LEAF_BIT) == 0u) {
-            let at = node * NODE_STRIDE;
-            let a = nodes[at];
-            let b = nodes[at + 1u];
-            let c = nodes[at + 2u];
-            let d = nodes[at + 3u];
-            let left = intersect_box(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), ray.origin, ray.inverse, hit.t);
-            let right = intersect_box(bitcast<vec3<f32>>(c.xyz), bitcast<vec3<f32>>(d.xyz), ray.origin, ray.inverse, hit.t);
-            let hits_left = left.x <= left.y;
-            let hits_right = right.x <= right.y;
-            if (hits_left && hits_right) {
-                let left_first = left.x <= right.x;
-                stack[top] = select(a.w, b.w, left_first);
+        var leaves = group;
+        if (group.y >= FIRST_NODE_BIT) {
+            let bit = firstLeadingBit(group.y);
+            let node = group_node(group, bit, ray.octant);
+            group.y &= ~(1u << bit);
+            if (group.y >= FIRST_NODE_BIT) {
+                stack[top] = group;
                 top += 1u;
-                node = select(b.w, a.w, left_first);
-            } else if (hits_left) {
-                node = a.w;
-            } else if (hits_right) {
-                node = b.w;
-            } else {
-                top -= 1u;
-                node = stack[top];
             }
+            let met = visit_node(node, ray, hit.t);
+            group = met.xy;
+            leaves = met.zw;
+        } else {
+            group.y = 0u;
         }
-        if ((node & LEAF_COUNT_MASK) == INSTANCE_COUNT) {
-            if (node == STACK_BOTTOM) {
-                break;
-            }
-            if (node == STACK_LEAVE) {
-                ray = world_ray(origin, direction);
-                top -= 1u;
-                node = stack[top];
-            } else {
-                ray = instance_ray(node, origin, direction);
-                stack[top] = STACK_LEAVE;
-                top += 1u;
-                node = ray.root;
-            }
-            continue;
-        }
-        let first = (node & ~LEAF_BIT) >> 4u;
-        let end = first + (node & LEAF_COUNT_MASK);
-        for (var slot = first; slot < end; slot += 1u) {
-            let at = slot * TRIANGLE_STRIDE;
+        while (leaves.y != 0u) {
+            let place = firstLeadingBit(leaves.y);
+            leaves.y &= ~(1u << place);
+            let at = (leaves.x + place) * TRIANGLE_STRIDE;
             let v0 = triangles[at];
             let e1 = triangles[at + 1u];
+            let kind = bitcast<u32>(e1.w);
+            if (may_have(FEATURE_INSTANCES) && kind == SLOT_INSTANCE) {
+                if (group.y >= FIRST_NODE_BIT) {
+                    stack[top] = group;
+                    top += 1u;
+                }
+                if (leaves.y != 0u) {
+                    stack[top] = leaves;
+                    top += 1u;
+                }
+                stack[top] = LEAVE;
+                top += 1u;
+                ray = instance_ray(bitcast<u32>(v0.w), origin, direction);
+                group = vec2<u32>(ray.root, ROOT_GROUP);
+                break;
+            }
             let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < hit.t) {
                 let id = ray.first_id + bitcast<u32>(v0.w);
-                if (bitcast<u32>(e1.w) == SLOT_SOLID || !passes(id, tuv.y, tuv.z, origin, direction)) {
+                if (kind == SLOT_SOLID || !passes(id, tuv.y, tuv.z, origin, direction)) {
                     hit = Hit(tuv.x, tuv.y, tuv.z, id);
                 }
             }
         }
-        top -= 1u;
-        node = stack[top];
+        while (group.y < FIRST_NODE_BIT) {
+            if (top == 0u) {
+                return hit;
+            }
+            top -= 1u;
+            group = stack[top];
+            if (group.y != 0u) {
+                break;
+            }
+            ray = world_ray(origin, direction);
+        }
     }
     return hit;
 }
@@ -128,66 +209,66 @@ fn closest_hit(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {
 /// Whether any triangle lies at 0 < t < t_max.
 fn any_hit(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
     var ray = world_ray(origin, direction);
-    var stack: array<u32, STACK_SIZE>;
-    stack[0] = STACK_BOTTOM;
-    var top = 1u;
-    var node = 0u;
+    var stack: array<vec2<u32>, STACK_SIZE>;
+    var top = 0u;
+    var group = vec2<u32>(0u, ROOT_GROUP);
     loop {
-        while ((node & LEAF_BIT) == 0u) {
-            let at = node * NODE_STRIDE;
-            let a = nodes[at];
-            let b = nodes[at + 1u];
-            let c = nodes[at + 2u];
-            let d = nodes[at + 3u];
-            let left = intersect_box(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), ray.origin, ray.inverse, t_max);
-            let right = intersect_box(bitcast<vec3<f32>>(c.xyz), bitcast<vec3<f32>>(d.xyz), ray.origin, ray.inverse, t_max);
-            let hits_left = left.x <= left.y;
-            let hits_right = right.x <= right.y;
-            if (hits_left && hits_right) {
-                stack[top] = b.w;
+        var leaves = group;
+        if (group.y >= FIRST_NODE_BIT) {
+            let bit = firstLeadingBit(group.y);
+            let node = group_node(group, bit, ray.octant);
+            group.y &= ~(1u << bit);
+            if (group.y >= FIRST_NODE_BIT) {
+                stack[top] = group;
                 top += 1u;
-                node = a.w;
-            } else if (hits_left) {
-                node = a.w;
-            } else if (hits_right) {
-                node = b.w;
-            } else {
-                top -= 1u;
-                node = stack[top];
             }
+            let met = visit_node(node, ray, t_max);
+            group = met.xy;
+            leaves = met.zw;
+        } else {
+            group.y = 0u;
         }
-        if ((node & LEAF_COUNT_MASK) == INSTANCE_COUNT) {
-            if (node == STACK_BOTTOM) {
-                return false;
-            }
-            if (node == STACK_LEAVE) {
-                ray = world_ray(origin, direction);
-                top -= 1u;
-                node = stack[top];
-            } else {
-                ray = instance_ray(node, origin, direction);
-                stack[top] = STACK_LEAVE;
-                top += 1u;
-                node = ray.root;
-            }
-            continue;
-        }
-        let first = (node & ~LEAF_BIT) >> 4u;
-        let end = first + (node & LEAF_COUNT_MASK);
-        for (var slot = first; slot < end; slot += 1u) {
-            let at = slot * TRIANGLE_STRIDE;
+        while (leaves.y != 0u) {
+            let place = firstLeadingBit(leaves.y);
+            leaves.y &= ~(1u << place);
+            let at = (leaves.x + place) * TRIANGLE_STRIDE;
             let v0 = triangles[at];
             let e1 = triangles[at + 1u];
+            let kind = bitcast<u32>(e1.w);
+            if (may_have(FEATURE_INSTANCES) && kind == SLOT_INSTANCE) {
+                if (group.y >= FIRST_NODE_BIT) {
+                    stack[top] = group;
+                    top += 1u;
+                }
+                if (leaves.y != 0u) {
+                    stack[top] = leaves;
+                    top += 1u;
+                }
+                stack[top] = LEAVE;
+                top += 1u;
+                ray = instance_ray(bitcast<u32>(v0.w), origin, direction);
+                group = vec2<u32>(ray.root, ROOT_GROUP);
+                break;
+            }
             let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < t_max) {
                 let id = ray.first_id + bitcast<u32>(v0.w);
-                if (bitcast<u32>(e1.w) == SLOT_SOLID || !passes(id, tuv.y, tuv.z, origin, direction)) {
+                if (kind == SLOT_SOLID || !passes(id, tuv.y, tuv.z, origin, direction)) {
                     return true;
                 }
             }
         }
-        top -= 1u;
-        node = stack[top];
+        while (group.y < FIRST_NODE_BIT) {
+            if (top == 0u) {
+                return false;
+            }
+            top -= 1u;
+            group = stack[top];
+            if (group.y != 0u) {
+                break;
+            }
+            ray = world_ray(origin, direction);
+        }
     }
     return false;
 }

@@ -3,7 +3,7 @@
 // descend. What is kept is tested later than it could be, at the price of nodes that it would have
 // culled. For comparison (`midway bench rays`): one level, everything solid.
 
-#include "bindings/geometry.wgsl"
+#include "bindings/geometry_binary.wgsl"
 
 /// The nearest triangle with 0 < t < t_max; its `triangle` is NONE if there is none.
 fn closest_hit_speculative(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {
@@ -16,7 +16,7 @@ fn closest_hit_speculative(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) 
     var kept = 0u;
     loop {
         while ((node & LEAF_BIT) == 0u) {
-            let at = node * NODE_STRIDE;
+            let at = node * BINARY_STRIDE;
             let a = nodes[at];
             let b = nodes[at + 1u];
             let c = nodes[at + 2u];
@@ -80,7 +80,7 @@ fn any_hit_speculative(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> b
     var kept = 0u;
     loop {
         while ((node & LEAF_BIT) == 0u) {
-            let at = node * NODE_STRIDE;
+            let at = node * BINARY_STRIDE;
             let a = nodes[at];
             let b = nodes[at + 1u];
             let c = nodes[at + 2u];

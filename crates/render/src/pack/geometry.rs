@@ -34,7 +34,13 @@ pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions:
         words.extend([word4(a, primitive), word4(b - a, kind), word4(c - a, 0)]);
     };
     for &primitive in &two_level.world.primitives {
-        slot(positions[primitive as usize], primitive, baked[primitive as usize]);
+        match positions.get(primitive as usize) {
+            Some(&triangle) => slot(triangle, primitive, baked[primitive as usize]),
+            None => {
+                let placement = primitive - positions.len() as u32;
+                slot([Vec3::ZERO; 3], two_level.record(placement), k::SLOT_INSTANCE);
+            }
+        }
     }
     for (bvh, &mesh) in two_level.meshes.iter().zip(&world.meshes) {
         let alone = world.scene().mesh_alone(mesh);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use midway_device::{Buffer, BufferUsage, Command, Device};
+use midway_device::{Buffer, BufferUsage, Command, Device, DeviceKind};
 use midway_kernels::constants as k;
 
 use super::{Hierarchy, Question, RayReport, RaysOptions, Variant, batches::Batch};
@@ -13,6 +13,9 @@ use crate::{
 
 /// A distance may differ by this much, relatively, between two variants.
 const T_TOLERANCE: f32 = 1e-4;
+
+/// A measured run on the CPU lasts this long at least.
+const CPU_RUN: Duration = Duration::from_millis(200);
 
 /// The rays on a device, and what the first variant said of them.
 pub(super) struct Bench<'a> {
@@ -126,15 +129,22 @@ fn time(
     command: &Command,
     repeats: u32,
 ) -> Result<(Duration, Option<Duration>), RenderError> {
-    let commands = std::slice::from_ref(command);
-    device.run(commands, true)?;
+    let first = device.run(std::slice::from_ref(command), true)?;
+    // The system counts CPU time a tick at a time.
+    let n_runs = match device.info().kind {
+        DeviceKind::Cpu => {
+            (CPU_RUN.as_secs_f64() / first.wall.as_secs_f64().max(1e-6)).ceil().min(1e4) as u32
+        }
+        DeviceKind::Gpu | DeviceKind::SoftwareGpu => 1,
+    };
+    let commands = vec![command.clone(); n_runs as usize];
     let (mut times, mut cpu_times) = (Vec::new(), Vec::new());
     for _ in 0..repeats.max(1) {
         let before = process_time();
-        let timing = device.run(commands, true)?;
-        times.push(timing.dispatches.iter().map(|&(_, time)| time).sum());
+        let timing = device.run(&commands, true)?;
+        times.push(timing.dispatches.iter().map(|&(_, time)| time).sum::<Duration>() / n_runs);
         if let (Some(before), Some(after)) = (before, process_time()) {
-            cpu_times.push(after.saturating_sub(before));
+            cpu_times.push(after.saturating_sub(before) / n_runs);
         }
     }
     Ok((median(times).unwrap_or_default(), median(cpu_times)))

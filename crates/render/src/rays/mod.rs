@@ -48,7 +48,7 @@ pub struct Variant {
 
 /// Every variant; the first is what others are compared with.
 const VARIANTS: [Variant; 3] = [
-    Variant { name: "while-while", closest: "bench_closest_bvh2", any: "bench_any_bvh2", is_wide: false },
+    Variant { name: "while-while", closest: "bench_closest_binary", any: "bench_any_binary", is_wide: false },
     Variant {
         name: "speculative",
         closest: "bench_closest_speculative",
