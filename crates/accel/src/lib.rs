@@ -1,13 +1,12 @@
 //! Acceleration structure: a bounding volume hierarchy, built, packed for kernels, validated.
 //!
-//! [`WideBvh`], eight children a node, is what the renderer traverses; [`Bvh`], the binary one, what it
-//! is compared with (`midway bench rays`).
+//! [`WideBvh`] has up to eight children a node, [`Bvh`] two; [`Level`] is either.
 //!
 //! The topology comes from `obvhs` (PLOC, reinsertion, leaf collapsing, triangle pre-splitting).
 //! Everything that correctness depends on is done here: boxes are refitted from the triangles'
 //! own coordinates and padded, coincident triangles are clustered, depth is bounded.
 //!
-//! Geometry that is placed several times is not copied: [`TwoLevel`] has one wide hierarchy over the
+//! Geometry that is placed several times is not copied: [`TwoLevel`] has one hierarchy over the
 //! world, whose leaves hold triangles and placements, and one for each mesh that is placed.
 //!
 //! ```
@@ -22,6 +21,7 @@
 //! ```
 
 mod bounds;
+mod level;
 mod pack;
 mod references;
 mod topology;
@@ -37,6 +37,7 @@ use glam::Vec3;
 use references::{Normalisation, Reference};
 use topology::Tree;
 
+pub use level::{Level, Width};
 pub use midway_scene::Bounds;
 pub use pack::Child;
 pub use traverse::{Hierarchy, Hit, closest_hit};
@@ -133,7 +134,8 @@ pub struct Bvh {
     /// whose box is inverted (+∞ to -∞). A slab test that sorts the two planes takes that box for
     /// a hit; the count makes the visit harmless.
     pub nodes: Vec<[u32; 4]>,
-    /// The triangle in each leaf slot; with spatial splits one may be in several leaves.
+    /// The triangle in each leaf slot; with spatial splits one may be in several leaves. From the
+    /// number of triangles on: instances.
     pub primitives: Vec<u32>,
     /// Inner nodes on the longest way from the root down; below [`STACK_SIZE`].
     pub max_depth: usize,
@@ -164,6 +166,9 @@ pub struct Statistics {
 }
 
 impl Bvh {
+    /// How many vec4 a node takes.
+    pub const NODE_VEC4: usize = 4;
+
     /// Bytes that `nodes` and `primitives` take.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.primitives.as_slice())
@@ -179,9 +184,24 @@ impl Bvh {
 /// [`AccelError::NotFinite`] for NaN or infinite vertices; [`AccelError::TooManyTriangles`] above
 /// [`MAX_REFERENCES`].
 pub fn build(triangles: &[[Vec3; 3]], options: &BuildOptions) -> Result<Bvh, AccelError> {
+    build_with_instances(triangles, &[], options)
+}
+
+/// As [`build`], over instances too, each alone in its leaf and never split. `instances`: around each,
+/// finite.
+///
+/// # Errors
+///
+/// As [`build`].
+pub fn build_with_instances(
+    triangles: &[[Vec3; 3]],
+    instances: &[Bounds],
+    options: &BuildOptions,
+) -> Result<Bvh, AccelError> {
     let start = Instant::now();
-    let (references, _, tree) = collect_and_build(triangles, &[], options)?;
+    let (references, _, tree) = collect_and_build(triangles, instances, options)?;
     let mut bvh = pack::pack(&tree, &references, triangles.len());
+    bvh.statistics.duplicated_references -= instances.len();
     bvh.statistics.build_time = start.elapsed();
     Ok(bvh)
 }

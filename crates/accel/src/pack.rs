@@ -60,6 +60,18 @@ impl Bvh {
         [child(0, v[0][3]), child(2, v[1][3])]
     }
 
+    /// Its nodes where this many nodes and leaf slots lie before its own.
+    pub(crate) fn moved_nodes(&self, first_node: u32, first_slot: u32) -> impl Iterator<Item = [u32; 4]> {
+        let moved = move |bits: u32| match Child::decode(bits) {
+            Child::Inner(node) => Child::Inner(first_node + node).encode(),
+            Child::Leaf { first, count } => Child::Leaf { first: first_slot + first, count }.encode(),
+        };
+        // References are in the first two.
+        let move_row =
+            move |row: usize, [x, y, z, w]: [u32; 4]| [x, y, z, if row < 2 { moved(w) } else { w }];
+        self.nodes.iter().enumerate().map(move |(at, &words)| move_row(at % Self::NODE_VEC4, words))
+    }
+
     fn write_node(&mut self, node: u32, children: [(Bounds, Child); 2]) {
         let base = node as usize * 4;
         let [(left, left_child), (right, right_child)] = children;

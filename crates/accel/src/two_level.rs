@@ -5,21 +5,31 @@ use glam::{DAffine3, DMat3, Vec3};
 use midway_scene::Bounds;
 
 use crate::{
-    AccelError, BALANCED_DEPTH, BuildOptions, Child, Hierarchy, Hit, Quality, STACK_SIZE, WideBvh, WideNode,
-    build_wide_with_instances, traverse::traverse,
+    AccelError, BALANCED_DEPTH, BuildOptions, Child, Hierarchy, Hit, Level, MAX_REFERENCES, Quality,
+    STACK_SIZE, Width, traverse::traverse,
 };
 
 /// How meshes for [`TwoLevel`] are to be built: no deeper than leaves a stack room for the world,
-/// for what is left of a leaf, and for a mark where the ray leaves the mesh.
+/// and for [`MARKS`].
 pub const MESH_OPTIONS: BuildOptions = BuildOptions {
     spatial_splits: true,
     quality: Quality::Balanced,
     max_leaf_size: 4,
-    max_depth: STACK_SIZE - 2 - BALANCED_DEPTH,
+    max_depth: STACK_SIZE - MARKS - BALANCED_DEPTH,
 };
 
-/// Placed boxes are taken from this many levels of a mesh's hierarchy, so that they are tight.
-const BOUNDS_LEVELS: u32 = 2;
+/// What a stack holds beside what waits of both levels: its bottom, what is left of a leaf, and where the
+/// ray leaves the mesh.
+const MARKS: usize = 3;
+
+/// Placed boxes are taken from so many levels of a mesh's hierarchy that these have up to 64 nodes: they
+/// are tight.
+const fn bounds_levels(width: Width) -> u32 {
+    match width {
+        Width::Binary => 6,
+        Width::Wide => 2,
+    }
+}
 
 /// A mesh in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,16 +44,16 @@ pub struct Placement {
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoLevel {
     /// Over the world's triangles, and over `placements` as its instances.
-    pub world: WideBvh,
+    pub world: Level,
     /// Over the triangles of each placed mesh.
-    pub meshes: Vec<WideBvh>,
+    pub meshes: Vec<Level>,
     /// Where they are.
     pub placements: Vec<Placement>,
 }
 
 impl TwoLevel {
-    /// Builds the world's hierarchy over its own triangles and the placements; `meshes` were built
-    /// with [`MESH_OPTIONS`].
+    /// Builds the world's hierarchy over its own triangles and the placements; `meshes` are of the same
+    /// width, and were built with [`MESH_OPTIONS`].
     ///
     /// # Errors
     ///
@@ -51,26 +61,28 @@ impl TwoLevel {
     ///
     /// # Panics
     ///
-    /// Where a placement's mesh is not one of `meshes`, or one of these is deeper than
-    /// [`MESH_OPTIONS`] allow.
+    /// Where a placement's mesh is not one of `meshes`, or one of these is of another width or deeper
+    /// than [`MESH_OPTIONS`] allow.
     pub fn build(
+        width: Width,
         triangles: &[[Vec3; 3]],
-        meshes: Vec<WideBvh>,
+        meshes: Vec<Level>,
         placements: Vec<Placement>,
         options: &BuildOptions,
     ) -> Result<Self, AccelError> {
-        let deepest = meshes.iter().map(|mesh| mesh.max_depth).max().unwrap_or(0);
+        assert!(meshes.iter().all(|mesh| mesh.width() == width), "meshes are of another kind");
+        let deepest = meshes.iter().map(Level::max_depth).max().unwrap_or(0);
         assert!(deepest <= MESH_OPTIONS.max_depth, "a mesh's hierarchy is too deep");
         let bounds: Vec<Bounds> = placements.iter().map(|p| p.bounds(&meshes)).collect();
-        // Below the world's own levels a stack holds the leaf's rest, the mark and a mesh's levels.
-        let room = if placements.is_empty() { STACK_SIZE - 1 } else { STACK_SIZE - 2 - deepest };
+        let room = if placements.is_empty() { STACK_SIZE - 1 } else { STACK_SIZE - MARKS - deepest };
         let options = BuildOptions { max_depth: options.max_depth.min(room), ..*options };
-        let world = build_wide_with_instances(triangles, &bounds, &options)?;
+        let world = Level::build(width, triangles, &bounds, &options)?;
         let two_level = Self { world, meshes, placements };
-        // Slots and nodes are referred to by 32 bits, vec4 of nodes and records too.
-        let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives.len()).sum();
+        let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives().len()).sum();
         let references = n_slots.max(two_level.first_record() as usize + 4 * two_level.placements.len());
-        if references > u32::MAX as usize {
+        // All are referred to by 32 bits; in the binary hierarchy slots are by 27, and two values are marks.
+        let most = if width == Width::Binary { MAX_REFERENCES - 2 } else { u32::MAX as usize };
+        if n_slots > most || references > u32::MAX as usize {
             return Err(AccelError::TooManyTriangles { references });
         }
         Ok(two_level)
@@ -78,7 +90,7 @@ impl TwoLevel {
 
     /// Where the record of the first placement is, in vec4 of [`TwoLevel::nodes`].
     fn first_record(&self) -> u64 {
-        self.slots().map(|bvh| (bvh.nodes.len() * WideNode::VEC4) as u64).sum()
+        self.slots().map(|bvh| (bvh.n_nodes() * bvh.width().node_vec4()) as u64).sum()
     }
 
     /// Where the record of a placement is, in vec4 of [`TwoLevel::nodes`].
@@ -92,7 +104,7 @@ impl TwoLevel {
     }
 
     /// Leaf slots of both levels, the world's first, then those of each mesh.
-    pub fn slots(&self) -> impl Iterator<Item = &WideBvh> {
+    pub fn slots(&self) -> impl Iterator<Item = &Level> {
         std::iter::once(&self.world).chain(&self.meshes)
     }
 
@@ -115,9 +127,9 @@ impl TwoLevel {
             if level > 0 {
                 roots.push(first_node);
             }
-            words.extend(bvh.nodes.iter().flat_map(|node| node.moved(first_node, first_slot).0));
-            first_node += bvh.nodes.len() as u32;
-            first_slot += bvh.primitives.len() as u32;
+            bvh.append_nodes(first_node, first_slot, &mut words);
+            first_node += bvh.n_nodes() as u32;
+            first_slot += bvh.primitives().len() as u32;
         }
         for (placement, &first_id) in self.placements.iter().zip(first_ids) {
             words.extend(placement.record(roots[placement.mesh as usize], first_id));
@@ -153,18 +165,19 @@ impl TwoLevel {
 }
 
 impl Placement {
-    fn bounds(&self, meshes: &[WideBvh]) -> Bounds {
+    fn bounds(&self, meshes: &[Level]) -> Bounds {
         let mut bounds = Bounds::EMPTY;
         let mesh = &meshes[self.mesh as usize];
-        let mut open = vec![(mesh.bounds, Child::Inner(0), 0)];
+        let (around, n_levels) = (mesh.bounds(), bounds_levels(mesh.width()));
+        let mut open = vec![(around, Child::Inner(0), 0)];
         while let Some((inside, child, level)) = open.pop() {
             match child {
-                Child::Inner(node) if level < BOUNDS_LEVELS => {
+                Child::Inner(node) if level < n_levels => {
                     open.extend(mesh.children(node).map(|(bounds, child)| (bounds, child, level + 1)));
                 }
                 _ => {
                     // Boxes of a byte a plane may reach beyond the mesh.
-                    let (min, max) = (inside.min.max(mesh.bounds.min), inside.max.min(mesh.bounds.max));
+                    let (min, max) = (inside.min.max(around.min), inside.max.min(around.max));
                     bounds = bounds.union(Bounds { min, max }.transformed(&self.world_from_mesh));
                 }
             }

@@ -14,6 +14,19 @@ impl Bvh {
     ///
     /// [`AccelError::Invalid`] says what is broken first.
     pub fn validate(&self, triangles: &[[Vec3; 3]]) -> Result<(), AccelError> {
+        self.validate_with_instances(triangles, &[])
+    }
+
+    /// As [`Bvh::validate`], and that every instance is reached exactly once, in boxes that hold it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Bvh::validate`].
+    pub fn validate_with_instances(
+        &self,
+        triangles: &[[Vec3; 3]],
+        instances: &[Bounds],
+    ) -> Result<(), AccelError> {
         if self.nodes.is_empty() || !self.nodes.len().is_multiple_of(4) {
             return invalid(format!("{} vec4 are not whole nodes", self.nodes.len()));
         }
@@ -23,6 +36,8 @@ impl Bvh {
         let mut walk = Walk {
             bvh: self,
             triangles,
+            instances,
+            instances_seen: vec![false; instances.len()],
             nodes_seen: vec![false; self.nodes.len() / 4],
             slots_seen: vec![false; self.primitives.len()],
             leaf_boxes: vec![Bounds::EMPTY; triangles.len()],
@@ -40,6 +55,8 @@ fn invalid<T>(what: String) -> Result<T, AccelError> {
 struct Walk<'a> {
     bvh: &'a Bvh,
     triangles: &'a [[Vec3; 3]],
+    instances: &'a [Bounds],
+    instances_seen: Vec<bool>,
     nodes_seen: Vec<bool>,
     slots_seen: Vec<bool>,
     /// Around all leaves that hold a triangle.
@@ -78,7 +95,7 @@ impl Walk<'_> {
         if slots.end > self.slots_seen.len() {
             return invalid(format!("leaf slots {slots:?} do not exist"));
         }
-        if slots.len() > MAX_LEAF_SIZE || (bounds.is_empty() != slots.is_empty()) {
+        if slots.len() > MAX_LEAF_SIZE || (slots.is_empty() && !bounds.is_empty()) {
             return invalid(format!("leaf at slot {first} has {count} and an unfit box"));
         }
         for slot in slots {
@@ -87,12 +104,25 @@ impl Walk<'_> {
             }
             let triangle = self.bvh.primitives[slot] as usize;
             let Some(&[a, b, c]) = self.triangles.get(triangle) else {
-                return invalid(format!("slot {slot} holds no triangle: {triangle}"));
+                self.instance(triangle - self.triangles.len(), bounds)?;
+                continue;
             };
             self.leaf_boxes[triangle] = self.leaf_boxes[triangle].union(*bounds);
             for (bit, point) in [a, b, c, a / 3.0 + b / 3.0 + c / 3.0].into_iter().enumerate() {
                 self.corners_held[triangle] |= u8::from(bounds.contains_point(point)) << bit;
             }
+        }
+        Ok(())
+    }
+
+    fn instance(&mut self, instance: usize, bounds: &Bounds) -> Result<(), AccelError> {
+        match self.instances_seen.get_mut(instance) {
+            None => return invalid(format!("instance {instance} does not exist")),
+            Some(true) => return invalid(format!("instance {instance} is reached twice")),
+            Some(seen) => *seen = true,
+        }
+        if !bounds.contains(&self.instances[instance]) {
+            return invalid(format!("instance {instance} is not within its boxes"));
         }
         Ok(())
     }
@@ -103,6 +133,9 @@ impl Walk<'_> {
         }
         if let Some(slot) = self.slots_seen.iter().position(|seen| !seen) {
             return invalid(format!("slot {slot} cannot be reached"));
+        }
+        if let Some(instance) = self.instances_seen.iter().position(|seen| !seen) {
+            return invalid(format!("instance {instance} cannot be reached"));
         }
         for (i, vertices) in self.triangles.iter().enumerate() {
             let whole = Bounds::of_points(vertices);

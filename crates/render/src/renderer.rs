@@ -112,7 +112,7 @@ impl Renderer {
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         settings.validate()?;
-        let packed = PackedScene::new(scene, camera, settings.rng.table())?;
+        let packed = PackedScene::new(scene, camera, settings.rng.table(), device.info().kind)?;
         let n_pixels = n_pixels(&settings);
         let scene_plan = plan_scene(&packed);
         plan_shared(&scene_plan, &settings, n_pixels).check(device.info())?;

@@ -1,5 +1,5 @@
 //! The CPU's own traversal of the wide hierarchy, in place of what would be translated of
-//! `wgsl/bindings/geometry.wgsl`: the eight boxes of a node at once, nearer nodes first by distance,
+//! `wgsl/bindings/geometry_wide.wgsl`: the eight boxes of a node at once, nearer nodes first by distance,
 //! and none that lies behind a hit. Triangles are intersected by the kernels' own function, so that
 //! a hit has the same bits; of triangles at the same distance another one may win.
 
@@ -10,7 +10,7 @@ use std::{mem::MaybeUninit, ops::Range};
 use wgsl_cpu::runtime::{Storage, Vec3, Vec4};
 
 use crate::{
-    constants::{FAR_FACTOR, NODE_STRIDE, SLOT_CUTOUT, SLOT_INSTANCE, STACK_SIZE, TRIANGLE_STRIDE},
+    constants::{FAR_FACTOR, SLOT_CUTOUT, SLOT_INSTANCE, STACK_SIZE, TRIANGLE_STRIDE, WIDE_STRIDE},
     native::lib,
 };
 use boxes::{Boxes, Entry, Planes};
@@ -19,7 +19,7 @@ use boxes::{Boxes, Entry, Planes};
 const MOST_WAITING: usize = 7 * STACK_SIZE as usize + 1;
 /// Bytes of a vec4.
 const VEC4: usize = 16;
-const NODE_BYTES: usize = NODE_STRIDE as usize * VEC4;
+const NODE_BYTES: usize = WIDE_STRIDE as usize * VEC4;
 
 /// Expands to the body of the kernels' `closest_hit`, in a module that has `passes` and `Hit`.
 macro_rules! closest_hit {
@@ -78,7 +78,7 @@ pub struct Found {
 /// whether the ray does.
 ///
 /// # Safety
-/// The buffers hold a hierarchy as `wgsl/bindings/geometry.wgsl` says, and nothing writes them meanwhile.
+/// The buffers hold a wide hierarchy as `wgsl/bindings/geometry.wgsl` says, and nothing writes them meanwhile.
 #[inline]
 pub unsafe fn trace<const ANY: bool>(
     nodes: Storage<'_>,

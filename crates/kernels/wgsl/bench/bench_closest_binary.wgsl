@@ -2,7 +2,7 @@
 // One invocation: one ray. Reads: nodes, triangles, rays. Writes: hits.
 
 #include "lib/all.wgsl"
-#include "bindings/geometry_binary.wgsl"
+#include "bindings/geometry.wgsl"
 #include "bindings/bench_rays.wgsl"
 
 @compute @workgroup_size(64)

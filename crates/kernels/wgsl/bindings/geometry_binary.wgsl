@@ -1,21 +1,13 @@
-// The binary hierarchy: both children's boxes in a node, while-while (Aila and Laine, "Understanding the
-// Efficiency of Ray Traversal on GPUs", 2009). For comparison (`midway bench rays`): one level,
-// everything solid. crates/accel has the layout (`Bvh`).
+// Traversal of the binary hierarchy: both children's boxes in a node, while-while (Aila and Laine,
+// "Understanding the Efficiency of Ray Traversal on GPUs", 2009). crates/accel has the layout (`Bvh`).
 
-/// vec4 per node and per leaf slot.
+/// vec4 per node: left min, left reference; left max, right reference; right min; right max.
 const BINARY_STRIDE: u32 = 4u;
-const TRIANGLE_STRIDE: u32 = 3u;
 const LEAF_BIT: u32 = 0x80000000u;
 const LEAF_COUNT_MASK: u32 = 15u;
-/// Entries; the builder keeps hierarchies shallower.
-const STACK_SIZE: u32 = 64u;
-/// Below the bottom of the stack: no leaf's reference.
+/// Below the bottom of the stack, and where the ray leaves an instance: no leaf's references.
 const STACK_BOTTOM: u32 = 0xffffffffu;
-
-/// Node: left min, left reference; left max, right reference; right min; right max.
-@group(0) @binding(2) var<storage, read> nodes: array<vec4<u32>>;
-/// Leaf slot: first vertex and triangle index; an edge; the other edge.
-@group(0) @binding(3) var<storage, read> triangles: array<vec4<f32>>;
+const STACK_LEAVE: u32 = 0xffffffefu;
 
 /// min and max for slabs, which have no NaN (safe_inverse): a single instruction on a CPU, where
 /// WGSL's own, which must prefer the other operand to a NaN, take five.
@@ -49,7 +41,7 @@ fn intersect_box(box_min: vec3<f32>, box_max: vec3<f32>, origin: vec3<f32>, inve
 
 /// The nearest triangle with 0 < t < t_max; its `triangle` is NONE if there is none.
 fn closest_hit_binary(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {
-    let inverse = safe_inverse(direction);
+    var ray = world_ray(origin, direction);
     var hit = Hit(t_max, 0.0, 0.0, NONE);
     var stack: array<u32, STACK_SIZE>;
     stack[0] = STACK_BOTTOM;
@@ -62,8 +54,8 @@ fn closest_hit_binary(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hi
             let b = nodes[at + 1u];
             let c = nodes[at + 2u];
             let d = nodes[at + 3u];
-            let left = intersect_box(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), origin, inverse, hit.t);
-            let right = intersect_box(bitcast<vec3<f32>>(c.xyz), bitcast<vec3<f32>>(d.xyz), origin, inverse, hit.t);
+            let left = intersect_box(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), ray.origin, ray.inverse, hit.t);
+            let right = intersect_box(bitcast<vec3<f32>>(c.xyz), bitcast<vec3<f32>>(d.xyz), ray.origin, ray.inverse, hit.t);
             let hits_left = left.x <= left.y;
             let hits_right = right.x <= right.y;
             if (hits_left && hits_right) {
@@ -83,26 +75,45 @@ fn closest_hit_binary(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hi
         if (node == STACK_BOTTOM) {
             break;
         }
+        if (may_have(FEATURE_INSTANCES) && node == STACK_LEAVE) {
+            ray = world_ray(origin, direction);
+            top -= 1u;
+            node = stack[top];
+            continue;
+        }
         let first = (node & ~LEAF_BIT) >> 4u;
         let end = first + (node & LEAF_COUNT_MASK);
+        top -= 1u;
+        node = stack[top];
         for (var slot = first; slot < end; slot += 1u) {
             let at = slot * TRIANGLE_STRIDE;
             let v0 = triangles[at];
             let e1 = triangles[at + 1u];
-            let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, origin, direction);
+            let kind = bitcast<u32>(e1.w);
+            if (may_have(FEATURE_INSTANCES) && kind == SLOT_INSTANCE) {
+                // What was on top stays; above it the rest of the leaf and the mark.
+                stack[top + 1u] = LEAF_BIT | ((slot + 1u) << 4u) | (end - slot - 1u);
+                stack[top + 2u] = STACK_LEAVE;
+                top += 3u;
+                ray = instance_ray(bitcast<u32>(v0.w), origin, direction);
+                node = ray.root;
+                break;
+            }
+            let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < hit.t) {
-                hit = Hit(tuv.x, tuv.y, tuv.z, bitcast<u32>(v0.w));
+                let id = ray.first_id + bitcast<u32>(v0.w);
+                if (kind == SLOT_SOLID || !passes(id, tuv.y, tuv.z, origin, direction)) {
+                    hit = Hit(tuv.x, tuv.y, tuv.z, id);
+                }
             }
         }
-        top -= 1u;
-        node = stack[top];
     }
     return hit;
 }
 
 /// Whether any triangle lies at 0 < t < t_max.
 fn any_hit_binary(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
-    let inverse = safe_inverse(direction);
+    var ray = world_ray(origin, direction);
     var stack: array<u32, STACK_SIZE>;
     stack[0] = STACK_BOTTOM;
     var top = 1u;
@@ -114,8 +125,8 @@ fn any_hit_binary(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
             let b = nodes[at + 1u];
             let c = nodes[at + 2u];
             let d = nodes[at + 3u];
-            let left = intersect_box(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), origin, inverse, t_max);
-            let right = intersect_box(bitcast<vec3<f32>>(c.xyz), bitcast<vec3<f32>>(d.xyz), origin, inverse, t_max);
+            let left = intersect_box(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), ray.origin, ray.inverse, t_max);
+            let right = intersect_box(bitcast<vec3<f32>>(c.xyz), bitcast<vec3<f32>>(d.xyz), ray.origin, ray.inverse, t_max);
             let hits_left = left.x <= left.y;
             let hits_right = right.x <= right.y;
             if (hits_left && hits_right) {
@@ -132,21 +143,40 @@ fn any_hit_binary(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
             }
         }
         if (node == STACK_BOTTOM) {
-            return false;
+            break;
+        }
+        if (may_have(FEATURE_INSTANCES) && node == STACK_LEAVE) {
+            ray = world_ray(origin, direction);
+            top -= 1u;
+            node = stack[top];
+            continue;
         }
         let first = (node & ~LEAF_BIT) >> 4u;
         let end = first + (node & LEAF_COUNT_MASK);
+        top -= 1u;
+        node = stack[top];
         for (var slot = first; slot < end; slot += 1u) {
             let at = slot * TRIANGLE_STRIDE;
             let v0 = triangles[at];
             let e1 = triangles[at + 1u];
-            let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, origin, direction);
+            let kind = bitcast<u32>(e1.w);
+            if (may_have(FEATURE_INSTANCES) && kind == SLOT_INSTANCE) {
+                // What was on top stays; above it the rest of the leaf and the mark.
+                stack[top + 1u] = LEAF_BIT | ((slot + 1u) << 4u) | (end - slot - 1u);
+                stack[top + 2u] = STACK_LEAVE;
+                top += 3u;
+                ray = instance_ray(bitcast<u32>(v0.w), origin, direction);
+                node = ray.root;
+                break;
+            }
+            let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < t_max) {
-                return true;
+                let id = ray.first_id + bitcast<u32>(v0.w);
+                if (kind == SLOT_SOLID || !passes(id, tuv.y, tuv.z, origin, direction)) {
+                    return true;
+                }
             }
         }
-        top -= 1u;
-        node = stack[top];
     }
     return false;
 }

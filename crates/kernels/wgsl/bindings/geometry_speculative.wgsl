@@ -3,7 +3,7 @@
 // descend. What is kept is tested later than it could be, at the price of nodes that it would have
 // culled. For comparison (`midway bench rays`): one level, everything solid.
 
-#include "bindings/geometry_binary.wgsl"
+#include "bindings/geometry.wgsl"
 
 /// The nearest triangle with 0 < t < t_max; its `triangle` is NONE if there is none.
 fn closest_hit_speculative(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {

@@ -35,6 +35,8 @@ const FEATURE_ROUGHNESS: u32 = 65536u;
 const FEATURE_TRANSMISSION: u32 = 131072u;
 /// A table of pre-generated random numbers.
 const FEATURE_RANDOM_TABLE: u32 = 32768u;
+/// The wide hierarchy, not the binary one.
+const FEATURE_WIDE: u32 = 262144u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {

@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice;
 use glam::{DVec3, Vec3};
-use midway_accel::{BuildOptions, build, build_wide};
+use midway_accel::{BuildOptions, Width, build, build_wide};
 use midway_device::Device;
 use midway_kernels::{constants as k, native::lib};
 use midway_tests::estimate::{cpu, gpu};
@@ -203,18 +203,23 @@ fn check(device: &dyn Device, triangles: &[Triangle], options: &BuildOptions, ra
     let bvh = build_wide(triangles, options).expect("built");
     bvh.validate(triangles).expect("valid");
     let nodes: Vec<[u32; 4]> = bvh.nodes.iter().flat_map(|node| node.0).collect();
-    check_packed(device, &nodes, slots(&bvh.primitives, triangles), triangles, rays)
+    check_packed(device, Width::Wide, &nodes, &slots(&bvh.primitives, triangles), triangles, rays)
 }
 
 /// The same of nodes and slots as they are; `triangles`: all of the world's, by their ids.
 pub fn check_packed(
     device: &dyn Device,
+    width: Width,
     nodes: &[[u32; 4]],
-    slots: Vec<[u32; 4]>,
+    slots: &[[u32; 4]],
     triangles: &[Triangle],
     rays: &[Ray],
 ) -> usize {
-    check_answers(device, &trace(device, nodes, slots, rays), triangles, rays)
+    let answers = match width {
+        Width::Binary => trace_by_bench(device, "binary", nodes, slots, rays),
+        Width::Wide => trace(device, nodes, slots.to_vec(), rays),
+    };
+    check_answers(device, &answers, triangles, rays)
 }
 
 fn check_answers(device: &dyn Device, answers: &[Answer], triangles: &[Triangle], rays: &[Ray]) -> usize {
@@ -248,7 +253,7 @@ fn traversal_finds_what_trying_all_triangles_finds() {
     }
 }
 
-/// What `midway bench rays` compares with: the binary hierarchy, by both of its kernels.
+/// The binary hierarchy, by both of its kernels.
 #[test]
 fn binary_traversal_finds_what_trying_all_triangles_finds() {
     let triangles = mesh();
