@@ -15,7 +15,13 @@ use std::{
 };
 
 use link::Linked;
-use wgsl_cpu::translate::{ScalarValue, StructInfo, Translation, translate};
+use wgsl_cpu::translate::{Native, ScalarValue, StructInfo, Translation, translate_with};
+
+/// Functions that the CPU device has by hand (src/traversal).
+const NATIVES: [Native; 2] = [
+    Native { function: "closest_hit", path: "crate::traversal::closest_hit" },
+    Native { function: "any_hit", path: "crate::traversal::any_hit" },
+];
 
 /// What is gathered over all kernels.
 #[derive(Default)]
@@ -124,7 +130,7 @@ fn collect(translation: Translation, tables: &mut Tables) -> Result<(), String> 
 }
 
 fn translate_linked(name: &str, linked: &Linked) -> Result<Translation, String> {
-    translate(&linked.wgsl).map_err(|error| {
+    translate_with(&linked.wgsl, &NATIVES).map_err(|error| {
         let place = linked
             .origin(error.location().line as usize)
             .map_or_else(|| name.to_owned(), |(file, line)| format!("wgsl/{}:{line}", file.display()));

@@ -1,24 +1,27 @@
-//! Acceleration structure: a binary bounding volume hierarchy, built, packed for kernels, validated.
+//! Acceleration structure: a bounding volume hierarchy, built, packed for kernels, validated.
+//!
+//! [`WideBvh`] has up to eight children a node, [`Bvh`] two; [`Level`] is either.
 //!
 //! The topology comes from `obvhs` (PLOC, reinsertion, leaf collapsing, triangle pre-splitting).
 //! Everything that correctness depends on is done here: boxes are refitted from the triangles'
 //! own coordinates and padded, coincident triangles are clustered, depth is bounded.
 //!
 //! Geometry that is placed several times is not copied: [`TwoLevel`] has one hierarchy over the
-//! world, whose leaves hold triangles or a placement, and one for each mesh that is placed.
+//! world, whose leaves hold triangles and placements, and one for each mesh that is placed.
 //!
 //! ```
 //! use glam::Vec3;
-//! use midway_accel::{build, closest_hit, BuildOptions};
+//! use midway_accel::{build_wide, closest_hit, BuildOptions};
 //!
 //! let triangles = [[Vec3::ZERO, Vec3::X, Vec3::Y]];
-//! let bvh = build(&triangles, &BuildOptions::default()).unwrap();
+//! let bvh = build_wide(&triangles, &BuildOptions::default()).unwrap();
 //! bvh.validate(&triangles).unwrap();
 //! let hit = closest_hit(&bvh, &triangles, Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z, f32::INFINITY);
 //! assert_eq!(hit.unwrap().triangle, 0);
 //! ```
 
 mod bounds;
+mod level;
 mod pack;
 mod references;
 mod topology;
@@ -34,18 +37,18 @@ use glam::Vec3;
 use references::{Normalisation, Reference};
 use topology::Tree;
 
+pub use level::{Level, Width};
 pub use midway_scene::Bounds;
 pub use pack::Child;
-pub use traverse::{Hit, closest_hit};
+pub use traverse::{Hierarchy, Hit, closest_hit};
 pub use two_level::{MESH_OPTIONS, Placement, TwoLevel};
-pub use wide::{WIDE_STACK_SIZE, WideBvh, WideChild, WideNode, build_wide};
+pub use wide::{WideBvh, WideNode, build_wide, build_wide_with_instances};
 
-/// Traversal stacks hold this many entries: [`Bvh::max_depth`] is below it.
+/// Traversal stacks hold this many entries: [`Bvh::max_depth`] and [`WideBvh::max_depth`] are below it.
 pub const STACK_SIZE: usize = 64;
-/// The most references a leaf can hold: its count takes four bits, and [`INSTANCE_COUNT`] is taken.
+/// The most references a leaf of the binary hierarchy can hold: its count takes four bits, and one
+/// value is a mark.
 pub const MAX_LEAF_SIZE: usize = 14;
-/// In place of a leaf's count: the child is an instance.
-pub const INSTANCE_COUNT: u32 = 15;
 /// The most references a hierarchy can hold: a leaf's first slot takes 27 bits.
 pub const MAX_REFERENCES: usize = 1 << 27;
 /// Set in a child reference that is a leaf.
@@ -111,7 +114,7 @@ impl Default for BuildOptions {
     }
 }
 
-/// A hierarchy, packed for kernels.
+/// A binary hierarchy, packed for kernels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bvh {
     /// Four vec4 for each inner node, depth first, the root first. As bits of f32, since a child
@@ -125,13 +128,14 @@ pub struct Bvh {
     /// | 3 | right box's max | 0 |
     ///
     /// A reference is an inner node's index, or [`LEAF_BIT`]` | first << 4 | count`, `first` an
-    /// index into `primitives`, or with [`INSTANCE_COUNT`] that of an instance. See [`Child`].
+    /// index into `primitives`. See [`Child`].
     ///
     /// An absent child (the root's, where there are fewer than two leaves) is a leaf of count 0
     /// whose box is inverted (+∞ to -∞). A slab test that sorts the two planes takes that box for
     /// a hit; the count makes the visit harmless.
     pub nodes: Vec<[u32; 4]>,
-    /// The triangle in each leaf slot; with spatial splits one may be in several leaves.
+    /// The triangle in each leaf slot; with spatial splits one may be in several leaves. From the
+    /// number of triangles on: instances.
     pub primitives: Vec<u32>,
     /// Inner nodes on the longest way from the root down; below [`STACK_SIZE`].
     pub max_depth: usize,
@@ -146,8 +150,6 @@ pub struct Bvh {
 pub struct Statistics {
     /// Triangles given.
     pub triangles: usize,
-    /// Instances given.
-    pub instances: usize,
     /// Inner nodes.
     pub inner_nodes: usize,
     /// Leaves that hold something.
@@ -164,13 +166,16 @@ pub struct Statistics {
 }
 
 impl Bvh {
+    /// How many vec4 a node takes.
+    pub const NODE_VEC4: usize = 4;
+
     /// Bytes that `nodes` and `primitives` take.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.primitives.as_slice())
     }
 }
 
-/// Builds a hierarchy over triangles. The same triangles and options give the same hierarchy,
+/// Builds a binary hierarchy over triangles. The same triangles and options give the same hierarchy,
 /// whatever the number of threads. Zero-area triangles are kept; no triangles give a root with two
 /// absent children.
 ///
@@ -182,8 +187,8 @@ pub fn build(triangles: &[[Vec3; 3]], options: &BuildOptions) -> Result<Bvh, Acc
     build_with_instances(triangles, &[], options)
 }
 
-/// As [`build`], over instances too, each the only thing in its leaf ([`Child::Instance`]) and never
-/// split. `instances`: around each, finite and not empty.
+/// As [`build`], over instances too, each alone in its leaf and never split. `instances`: around each,
+/// finite.
 ///
 /// # Errors
 ///
@@ -196,7 +201,7 @@ pub fn build_with_instances(
     let start = Instant::now();
     let (references, _, tree) = collect_and_build(triangles, instances, options)?;
     let mut bvh = pack::pack(&tree, &references, triangles.len());
-    bvh.statistics.instances = instances.len();
+    bvh.statistics.duplicated_references -= instances.len();
     bvh.statistics.build_time = start.elapsed();
     Ok(bvh)
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 use midway_scene::Bounds;
 
 use crate::{
-    Bvh, INSTANCE_COUNT, LEAF_BIT, Statistics,
+    Bvh, LEAF_BIT, Statistics,
     references::Reference,
     topology::{Tree, TreeNode},
 };
@@ -21,8 +21,6 @@ pub enum Child {
         /// Slots, 0 for an absent child.
         count: u32,
     },
-    /// Index of an instance.
-    Instance(u32),
 }
 
 impl Child {
@@ -33,11 +31,7 @@ impl Child {
         if bits & LEAF_BIT == 0 {
             return Self::Inner(bits);
         }
-        let first = (bits & !LEAF_BIT) >> 4;
-        match bits & 0xf {
-            INSTANCE_COUNT => Self::Instance(first),
-            count => Self::Leaf { first, count },
-        }
+        Self::Leaf { first: (bits & !LEAF_BIT) >> 4, count: bits & 0xf }
     }
 
     /// To the bits in a node.
@@ -45,7 +39,6 @@ impl Child {
         match self {
             Self::Inner(node) => node,
             Self::Leaf { first, count } => LEAF_BIT | (first << 4) | count,
-            Self::Instance(instance) => LEAF_BIT | (instance << 4) | INSTANCE_COUNT,
         }
     }
 }
@@ -65,6 +58,18 @@ impl Bvh {
             (bounds, Child::decode(bits))
         };
         [child(0, v[0][3]), child(2, v[1][3])]
+    }
+
+    /// Its nodes where this many nodes and leaf slots lie before its own.
+    pub(crate) fn moved_nodes(&self, first_node: u32, first_slot: u32) -> impl Iterator<Item = [u32; 4]> {
+        let moved = move |bits: u32| match Child::decode(bits) {
+            Child::Inner(node) => Child::Inner(first_node + node).encode(),
+            Child::Leaf { first, count } => Child::Leaf { first: first_slot + first, count }.encode(),
+        };
+        // References are in the first two.
+        let move_row =
+            move |row: usize, [x, y, z, w]: [u32; 4]| [x, y, z, if row < 2 { moved(w) } else { w }];
+        self.nodes.iter().enumerate().map(move |(at, &words)| move_row(at % Self::NODE_VEC4, words))
     }
 
     fn write_node(&mut self, node: u32, children: [(Bounds, Child); 2]) {
@@ -132,14 +137,6 @@ impl Packer<'_> {
 
     fn leaf(&mut self, first: usize, count: usize) -> (Bounds, Child) {
         let members = &self.tree.order[first..first + count];
-        if let &[only] = members
-            && let Some(instance) = self.instance(only)
-        {
-            let bounds = self.references[only as usize].bounds;
-            self.bvh.statistics.leaves += 1;
-            self.area_cost += bounds.half_area();
-            return (bounds, Child::Instance(instance));
-        }
         let slots = self.bvh.primitives.len();
         let mut bounds = Bounds::EMPTY;
         for &member in members {
@@ -157,12 +154,6 @@ impl Packer<'_> {
         self.area_cost += bounds.half_area() * f64::from(count);
         let first = slots as u32;
         (bounds, Child::Leaf { first, count })
-    }
-
-    /// The instance that a reference stands for, if it is one.
-    fn instance(&self, reference: u32) -> Option<u32> {
-        let n_triangles = self.bvh.statistics.triangles as u32;
-        self.references[reference as usize].primitive.checked_sub(n_triangles)
     }
 
     fn new_node(&mut self) -> u32 {

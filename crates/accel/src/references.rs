@@ -44,7 +44,11 @@ impl Normalisation {
         ((p.as_dvec3() - self.centre) / self.extent).as_vec3().into()
     }
 
+    /// What is empty is a point, so that areas are finite: a placed mesh may have nothing in it.
     pub fn bounds(&self, b: &Bounds) -> Aabb {
+        if b.is_empty() {
+            return Aabb::from_point(Vec3A::ZERO);
+        }
         Aabb::new(self.point(b.min), self.point(b.max))
     }
 

@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::{Bounds, Bvh, Child, STACK_SIZE};
+use crate::{Bounds, Bvh, Child, STACK_SIZE, WideBvh};
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +25,44 @@ const ROBUST_FAR: f32 = 1.0 + 6.0 * f32::EPSILON;
 /// Stands for a zero component of a direction, so that no slab is 0 × ∞.
 const SMALLEST_COMPONENT: f32 = 1e-30;
 
+/// What the host needs to know of a hierarchy.
+pub trait Hierarchy {
+    /// A node's children with their boxes; node 0 is the root.
+    fn children(&self, node: u32) -> impl Iterator<Item = (Bounds, Child)>;
+    /// The triangle in each leaf slot, or from the number of triangles on an instance.
+    fn primitives(&self) -> &[u32];
+    /// How many triangles there are.
+    fn n_triangles(&self) -> u32;
+}
+
+impl Hierarchy for Bvh {
+    fn children(&self, node: u32) -> impl Iterator<Item = (Bounds, Child)> {
+        self.children(node).into_iter()
+    }
+
+    fn primitives(&self) -> &[u32] {
+        &self.primitives
+    }
+
+    fn n_triangles(&self) -> u32 {
+        self.statistics.triangles as u32
+    }
+}
+
+impl Hierarchy for WideBvh {
+    fn children(&self, node: u32) -> impl Iterator<Item = (Bounds, Child)> {
+        self.nodes[node as usize].children().into_iter().flatten()
+    }
+
+    fn primitives(&self) -> &[u32] {
+        &self.primitives
+    }
+
+    fn n_triangles(&self) -> u32 {
+        self.statistics.triangles as u32
+    }
+}
+
 /// The closest hit with 0 < t < `t_max`, both faces counting; none where there is none, or where
 /// the ray is not finite. Of hits at the same distance the lowest triangle index. `triangles` are
 /// those that the hierarchy was built over, without instances.
@@ -32,13 +70,19 @@ const SMALLEST_COMPONENT: f32 = 1e-30;
 /// # Panics
 ///
 /// Where `triangles` are fewer than that.
-pub fn closest_hit(bvh: &Bvh, triangles: &[[Vec3; 3]], origin: Vec3, dir: Vec3, t_max: f32) -> Option<Hit> {
+pub fn closest_hit(
+    bvh: &impl Hierarchy,
+    triangles: &[[Vec3; 3]],
+    origin: Vec3,
+    dir: Vec3,
+    t_max: f32,
+) -> Option<Hit> {
     traverse(bvh, |t| triangles[t as usize], |_, _| None, origin, dir, t_max)
 }
 
 /// As [`closest_hit`]; `instance` gives the closest hit on an instance nearer than a distance.
 pub(crate) fn traverse(
-    bvh: &Bvh,
+    bvh: &impl Hierarchy,
     triangle: impl Fn(u32) -> [Vec3; 3],
     instance: impl Fn(u32, f32) -> Option<Hit>,
     origin: Vec3,
@@ -51,29 +95,26 @@ pub(crate) fn traverse(
     let inv_dir =
         dir.map(|c| if c.abs() < SMALLEST_COMPONENT { SMALLEST_COMPONENT.copysign(c) } else { c }).recip();
     let mut closest: Option<Hit> = None;
-    let mut stack = [0u32; STACK_SIZE];
-    let mut height = 1;
-    while height > 0 {
-        height -= 1;
-        let node = stack[height];
+    let mut stack = Vec::with_capacity(STACK_SIZE);
+    stack.push(0u32);
+    while let Some(node) = stack.pop() {
         for (bounds, child) in bvh.children(node) {
             let limit = closest.map_or(t_max, |h| h.t);
             if !meets(&bounds, origin, inv_dir, limit) {
                 continue;
             }
             match child {
-                // At most one more entry a level than were popped: max_depth < STACK_SIZE.
-                Child::Inner(inner) => {
-                    stack[height] = inner;
-                    height += 1;
-                }
+                Child::Inner(inner) => stack.push(inner),
                 Child::Leaf { first, count } => {
-                    for &index in &bvh.primitives[first as usize..(first + count) as usize] {
-                        let hit = intersect(&triangle(index), origin, dir, index);
+                    for &index in &bvh.primitives()[first as usize..(first + count) as usize] {
+                        let limit = closest.map_or(t_max, |h| h.t);
+                        let hit = match index.checked_sub(bvh.n_triangles()) {
+                            None => intersect(&triangle(index), origin, dir, index),
+                            Some(index) => instance(index, limit.next_up()),
+                        };
                         closest = nearer(closest, hit, t_max);
                     }
                 }
-                Child::Instance(index) => closest = nearer(closest, instance(index, limit.next_up()), t_max),
             }
         }
     }

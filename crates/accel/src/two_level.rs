@@ -5,21 +5,31 @@ use glam::{DAffine3, DMat3, Vec3};
 use midway_scene::Bounds;
 
 use crate::{
-    AccelError, BALANCED_DEPTH, BuildOptions, Bvh, Child, Hit, MAX_REFERENCES, Quality, STACK_SIZE,
-    build_with_instances, traverse::traverse,
+    AccelError, BALANCED_DEPTH, BuildOptions, Child, Hierarchy, Hit, Level, MAX_REFERENCES, Quality,
+    STACK_SIZE, Width, traverse::traverse,
 };
 
 /// How meshes for [`TwoLevel`] are to be built: no deeper than leaves a stack room for the world,
-/// and for a mark where the ray leaves the mesh.
+/// and for [`MARKS`].
 pub const MESH_OPTIONS: BuildOptions = BuildOptions {
     spatial_splits: true,
     quality: Quality::Balanced,
     max_leaf_size: 4,
-    max_depth: STACK_SIZE - 2 - BALANCED_DEPTH,
+    max_depth: STACK_SIZE - MARKS - BALANCED_DEPTH,
 };
 
-/// Placed boxes are taken from this many levels of a mesh's hierarchy, so that they are tight.
-const BOUNDS_LEVELS: u32 = 6;
+/// What a stack holds beside what waits of both levels: its bottom, what is left of a leaf, and where the
+/// ray leaves the mesh.
+const MARKS: usize = 3;
+
+/// Placed boxes are taken from so many levels of a mesh's hierarchy that these have up to 64 nodes: they
+/// are tight.
+const fn bounds_levels(width: Width) -> u32 {
+    match width {
+        Width::Binary => 6,
+        Width::Wide => 2,
+    }
+}
 
 /// A mesh in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,16 +44,16 @@ pub struct Placement {
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoLevel {
     /// Over the world's triangles, and over `placements` as its instances.
-    pub world: Bvh,
+    pub world: Level,
     /// Over the triangles of each placed mesh.
-    pub meshes: Vec<Bvh>,
+    pub meshes: Vec<Level>,
     /// Where they are.
     pub placements: Vec<Placement>,
 }
 
 impl TwoLevel {
-    /// Builds the world's hierarchy over its own triangles and the placements; `meshes` were built
-    /// with [`MESH_OPTIONS`].
+    /// Builds the world's hierarchy over its own triangles and the placements; `meshes` are of the same
+    /// width, and were built with [`MESH_OPTIONS`].
     ///
     /// # Errors
     ///
@@ -51,30 +61,41 @@ impl TwoLevel {
     ///
     /// # Panics
     ///
-    /// Where a placement's mesh is not one of `meshes`, or one of these is deeper than
-    /// [`MESH_OPTIONS`] allow.
+    /// Where a placement's mesh is not one of `meshes`, or one of these is of another width or deeper
+    /// than [`MESH_OPTIONS`] allow.
     pub fn build(
+        width: Width,
         triangles: &[[Vec3; 3]],
-        meshes: Vec<Bvh>,
+        meshes: Vec<Level>,
         placements: Vec<Placement>,
         options: &BuildOptions,
     ) -> Result<Self, AccelError> {
-        let deepest = meshes.iter().map(|mesh| mesh.max_depth).max().unwrap_or(0);
+        assert!(meshes.iter().all(|mesh| mesh.width() == width), "meshes are of another kind");
+        let deepest = meshes.iter().map(Level::max_depth).max().unwrap_or(0);
         assert!(deepest <= MESH_OPTIONS.max_depth, "a mesh's hierarchy is too deep");
         let bounds: Vec<Bounds> = placements.iter().map(|p| p.bounds(&meshes)).collect();
-        // Below the world's own levels a stack holds the mark and a mesh's levels.
-        let room = if placements.is_empty() { STACK_SIZE - 1 } else { STACK_SIZE - 2 - deepest };
+        let room = if placements.is_empty() { STACK_SIZE - 1 } else { STACK_SIZE - MARKS - deepest };
         let options = BuildOptions { max_depth: options.max_depth.min(room), ..*options };
-        let world = build_with_instances(triangles, &bounds, &options)?;
+        let world = Level::build(width, triangles, &bounds, &options)?;
         let two_level = Self { world, meshes, placements };
-        // Slots, nodes and records are all referred to by 27 bits; two values are marks.
-        let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives.len()).sum();
-        let n_nodes: usize = two_level.slots().map(|bvh| bvh.nodes.len() / 4).sum();
-        let references = n_slots.max(n_nodes + two_level.placements.len());
-        if references > MAX_REFERENCES - 2 {
+        let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives().len()).sum();
+        let references = n_slots.max(two_level.first_record() as usize + 4 * two_level.placements.len());
+        // All are referred to by 32 bits; in the binary hierarchy slots are by 27, and two values are marks.
+        let most = if width == Width::Binary { MAX_REFERENCES - 2 } else { u32::MAX as usize };
+        if n_slots > most || references > u32::MAX as usize {
             return Err(AccelError::TooManyTriangles { references });
         }
         Ok(two_level)
+    }
+
+    /// Where the record of the first placement is, in vec4 of [`TwoLevel::nodes`].
+    fn first_record(&self) -> u64 {
+        self.slots().map(|bvh| (bvh.n_nodes() * bvh.width().node_vec4()) as u64).sum()
+    }
+
+    /// Where the record of a placement is, in vec4 of [`TwoLevel::nodes`].
+    pub fn record(&self, placement: u32) -> u32 {
+        self.first_record() as u32 + 4 * placement
     }
 
     /// Around each placement.
@@ -83,13 +104,13 @@ impl TwoLevel {
     }
 
     /// Leaf slots of both levels, the world's first, then those of each mesh.
-    pub fn slots(&self) -> impl Iterator<Item = &Bvh> {
+    pub fn slots(&self) -> impl Iterator<Item = &Level> {
         std::iter::once(&self.world).chain(&self.meshes)
     }
 
     /// All nodes as kernels read them: the world's, those of each mesh, with references into all
-    /// nodes and all [`TwoLevel::slots`], and behind them four vec4 for each placement, which the
-    /// world's instances refer to:
+    /// nodes and all [`TwoLevel::slots`], and behind them four vec4 for each placement
+    /// ([`TwoLevel::record`]):
     ///
     /// | vec4 | x, y, z | w |
     /// |---|---|---|
@@ -99,23 +120,16 @@ impl TwoLevel {
     /// A point p in the world is at rows · (p - moved by) in the mesh. `first_ids`: for each
     /// placement, what is added to a mesh's triangle to name it in the world.
     pub fn nodes(&self, first_ids: &[u32]) -> Vec<[u32; 4]> {
-        let n_nodes: usize = self.slots().map(|bvh| bvh.nodes.len()).sum();
-        let mut words = Vec::with_capacity(n_nodes + 4 * self.placements.len());
+        let mut words = Vec::with_capacity(self.first_record() as usize + 4 * self.placements.len());
         let mut roots = Vec::with_capacity(self.meshes.len());
-        let (mut n_slots, first_record) = (0, n_nodes as u32 / 4);
+        let (mut first_node, mut first_slot) = (0, 0);
         for (level, bvh) in self.slots().enumerate() {
-            let first_node = words.len() as u32 / 4;
             if level > 0 {
                 roots.push(first_node);
             }
-            words.extend(bvh.nodes.chunks_exact(4).flat_map(|node| {
-                let [mut a, mut b, c, d] = [node[0], node[1], node[2], node[3]];
-                for reference in [&mut a[3], &mut b[3]] {
-                    *reference = moved(*reference, first_node, n_slots, first_record);
-                }
-                [a, b, c, d]
-            }));
-            n_slots += bvh.primitives.len() as u32;
+            bvh.append_nodes(first_node, first_slot, &mut words);
+            first_node += bvh.n_nodes() as u32;
+            first_slot += bvh.primitives().len() as u32;
         }
         for (placement, &first_id) in self.placements.iter().zip(first_ids) {
             words.extend(placement.record(roots[placement.mesh as usize], first_id));
@@ -151,16 +165,21 @@ impl TwoLevel {
 }
 
 impl Placement {
-    fn bounds(&self, meshes: &[Bvh]) -> Bounds {
+    fn bounds(&self, meshes: &[Level]) -> Bounds {
         let mut bounds = Bounds::EMPTY;
         let mesh = &meshes[self.mesh as usize];
-        let mut open = vec![(mesh.bounds, Child::Inner(0), 0)];
+        let (around, n_levels) = (mesh.bounds(), bounds_levels(mesh.width()));
+        let mut open = vec![(around, Child::Inner(0), 0)];
         while let Some((inside, child, level)) = open.pop() {
             match child {
-                Child::Inner(node) if level < BOUNDS_LEVELS => {
+                Child::Inner(node) if level < n_levels => {
                     open.extend(mesh.children(node).map(|(bounds, child)| (bounds, child, level + 1)));
                 }
-                _ => bounds = bounds.union(inside.transformed(&self.world_from_mesh)),
+                _ => {
+                    // Boxes of a byte a plane may reach beyond the mesh.
+                    let (min, max) = (inside.min.max(around.min), inside.max.min(around.max));
+                    bounds = bounds.union(Bounds { min, max }.transformed(&self.world_from_mesh));
+                }
             }
         }
         bounds
@@ -180,14 +199,4 @@ impl Placement {
             [root, first_id, 0, 0],
         ]
     }
-}
-
-/// A reference of one hierarchy as it is among all of them.
-fn moved(reference: u32, first_node: u32, first_slot: u32, first_record: u32) -> u32 {
-    match Child::decode(reference) {
-        Child::Inner(node) => Child::Inner(first_node + node),
-        Child::Leaf { first, count } => Child::Leaf { first: first_slot + first, count },
-        Child::Instance(placement) => Child::Instance(first_record + placement),
-    }
-    .encode()
 }

@@ -17,7 +17,7 @@ impl Bvh {
         self.validate_with_instances(triangles, &[])
     }
 
-    /// As [`Bvh::validate`], and that every instance is reached exactly once, in a box that holds it.
+    /// As [`Bvh::validate`], and that every instance is reached exactly once, in boxes that hold it.
     ///
     /// # Errors
     ///
@@ -85,7 +85,6 @@ impl Walk<'_> {
             match child {
                 Child::Inner(inner) => self.node(inner, &child_bounds, depth + 1)?,
                 Child::Leaf { first, count } => self.leaf(first, count, &child_bounds)?,
-                Child::Instance(instance) => self.instance(instance, &child_bounds)?,
             }
         }
         Ok(())
@@ -96,7 +95,7 @@ impl Walk<'_> {
         if slots.end > self.slots_seen.len() {
             return invalid(format!("leaf slots {slots:?} do not exist"));
         }
-        if slots.len() > MAX_LEAF_SIZE || (bounds.is_empty() != slots.is_empty()) {
+        if slots.len() > MAX_LEAF_SIZE || (slots.is_empty() && !bounds.is_empty()) {
             return invalid(format!("leaf at slot {first} has {count} and an unfit box"));
         }
         for slot in slots {
@@ -105,7 +104,8 @@ impl Walk<'_> {
             }
             let triangle = self.bvh.primitives[slot] as usize;
             let Some(&[a, b, c]) = self.triangles.get(triangle) else {
-                return invalid(format!("slot {slot} holds no triangle: {triangle}"));
+                self.instance(triangle - self.triangles.len(), bounds)?;
+                continue;
             };
             self.leaf_boxes[triangle] = self.leaf_boxes[triangle].union(*bounds);
             for (bit, point) in [a, b, c, a / 3.0 + b / 3.0 + c / 3.0].into_iter().enumerate() {
@@ -115,14 +115,14 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn instance(&mut self, instance: u32, bounds: &Bounds) -> Result<(), AccelError> {
-        match self.instances_seen.get_mut(instance as usize) {
+    fn instance(&mut self, instance: usize, bounds: &Bounds) -> Result<(), AccelError> {
+        match self.instances_seen.get_mut(instance) {
             None => return invalid(format!("instance {instance} does not exist")),
             Some(true) => return invalid(format!("instance {instance} is reached twice")),
             Some(seen) => *seen = true,
         }
-        if !bounds.contains(&self.instances[instance as usize]) {
-            return invalid(format!("instance {instance} is not within its box"));
+        if !bounds.contains(&self.instances[instance]) {
+            return invalid(format!("instance {instance} is not within its boxes"));
         }
         Ok(())
     }

@@ -4,7 +4,8 @@ mod common;
 
 use glam::Vec3;
 use midway_accel::{
-    AccelError, BuildOptions, Bvh, Child, Hit, MAX_LEAF_SIZE, Quality, STACK_SIZE, build, closest_hit,
+    AccelError, BuildOptions, Bvh, Child, Hierarchy, Hit, MAX_LEAF_SIZE, Quality, STACK_SIZE, WideBvh, build,
+    build_wide, closest_hit,
 };
 
 use common::{Random, inputs, ray, slivers, soup};
@@ -30,8 +31,13 @@ fn every_input_is_valid_with_every_preset() {
             assert!(bvh.max_depth < STACK_SIZE, "{name}, {options:?}");
             assert!(bvh.statistics.sah_cost.is_finite(), "{name}, {options:?}");
             assert!(largest_leaf(&bvh) <= options.max_leaf_size.clamp(1, MAX_LEAF_SIZE));
+            let wide = build_wide(&triangles, &options).unwrap();
+            wide.validate(&triangles).unwrap_or_else(|e| panic!("wide {name}, {options:?}: {e}"));
+            assert!(wide.max_depth < STACK_SIZE, "wide {name}, {options:?}");
+            assert!(wide.statistics.sah_cost.is_finite(), "wide {name}, {options:?}");
             if !options.spatial_splits {
                 assert_eq!(bvh.statistics.duplicated_references, 0, "{name}");
+                assert_eq!(wide.statistics.duplicated_references, 0, "{name}");
             }
         }
     }
@@ -57,21 +63,26 @@ fn closest_hit_is_that_of_brute_force() {
         let triangles = &triangles[..alone.len()];
         for spatial_splits in [false, true] {
             let options = BuildOptions { spatial_splits, ..BuildOptions::default() };
-            let bvh = build(triangles, &options).unwrap();
-            let mut random = Random(11);
-            let mut hits = 0;
-            for _ in 0..300 {
-                let (origin, dir) = ray(triangles, &mut random);
-                let found = closest_hit(&bvh, triangles, origin, dir, f32::INFINITY);
-                let expected = brute_force(&alone, triangles, origin, dir);
-                assert_eq!(found, expected, "{name}, from {origin} to {dir}");
-                hits += usize::from(found.is_some());
-            }
+            let hits = check_hits(name, &build(triangles, &options).unwrap(), triangles, &alone);
+            let wide_hits = check_hits(name, &build_wide(triangles, &options).unwrap(), triangles, &alone);
             if ["soup", "grid", "slivers", "far away", "small in large"].contains(&name) {
-                assert!(hits > 100, "{name}: only {hits} of the rays hit anything");
+                assert!(hits.min(wide_hits) > 100, "{name}: only {hits} of the rays hit anything");
             }
         }
     }
+}
+
+fn check_hits(name: &str, bvh: &impl Hierarchy, triangles: &[[Vec3; 3]], alone: &[Bvh]) -> usize {
+    let mut random = Random(11);
+    let mut hits = 0;
+    for _ in 0..300 {
+        let (origin, dir) = ray(triangles, &mut random);
+        let found = closest_hit(bvh, triangles, origin, dir, f32::INFINITY);
+        let expected = brute_force(alone, triangles, origin, dir);
+        assert_eq!(found, expected, "{name}, from {origin} to {dir}");
+        hits += usize::from(found.is_some());
+    }
+    hits
 }
 
 fn brute_force(alone: &[Bvh], triangles: &[[Vec3; 3]], origin: Vec3, dir: Vec3) -> Option<Hit> {
@@ -115,7 +126,8 @@ fn number_of_threads_does_not_change_the_hierarchy() {
     let nodes = |n_threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         let bvh = pool.install(|| build(&triangles, &BuildOptions::default()).unwrap());
-        (bvh.nodes, bvh.primitives)
+        let wide = pool.install(|| build_wide(&triangles, &BuildOptions::default()).unwrap());
+        (bvh.nodes, bvh.primitives, wide.nodes, wide.primitives)
     };
     assert!(nodes(1) == nodes(3));
 }
@@ -153,6 +165,33 @@ fn validate_finds_damage() {
         ("child out of range", |b| b.nodes[0][3] = 1 << 20),
         ("cycle", |b| b.nodes[0][3] = 0),
         ("slot twice", |b| b.primitives[3] = b.primitives[90]),
+        ("triangle out of range", |b| b.primitives[3] = 1 << 20),
+        ("depth", |b| b.max_depth -= 1),
+    ];
+    for (name, damage) in kinds {
+        assert!(damaged(damage).is_err(), "{name} was not found");
+    }
+}
+
+type WideDamage = (&'static str, fn(&mut WideBvh));
+
+#[test]
+fn validate_finds_damage_of_wide_hierarchies() {
+    let triangles = soup(200, 0.1, 1.0, 1);
+    let good = build_wide(&triangles, &BuildOptions::default()).unwrap();
+    let damaged = |damage: fn(&mut WideBvh)| {
+        let mut bvh = good.clone();
+        damage(&mut bvh);
+        bvh.validate(&triangles)
+    };
+    damaged(|_| {}).unwrap();
+    let kinds: [WideDamage; 8] = [
+        ("no nodes", |b| b.nodes.clear()),
+        ("cut short", |b| b.nodes.truncate(b.nodes.len() - 1)),
+        ("boxes shrunk", |b| b.nodes[0].0[3][2] = 0),
+        ("grid moved", |b| b.nodes[1].0[0][0] ^= 1 << 23),
+        ("child out of range", |b| b.nodes[0].0[1][0] = 1 << 20),
+        ("cycle", |b| b.nodes[0].0[1][0] = 0),
         ("triangle out of range", |b| b.primitives[3] = 1 << 20),
         ("depth", |b| b.max_depth -= 1),
     ];

@@ -4,10 +4,13 @@ mod common;
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use midway_accel::{
-    BuildOptions, Bvh, Child, Hit, MESH_OPTIONS, Placement, STACK_SIZE, TwoLevel, build, closest_hit,
+    BuildOptions, Bvh, Child, Hierarchy, Hit, Level, MESH_OPTIONS, Placement, STACK_SIZE, TwoLevel, WideBvh,
+    WideNode, Width, build_wide, closest_hit,
 };
 
 use common::{Random, Triangles, inputs, soup};
+
+const WIDTHS: [Width; 2] = [Width::Binary, Width::Wide];
 
 /// Turned, scaled unevenly, moved, every other one mirrored.
 fn placements(n: usize, n_meshes: u32, reach: f32, seed: u64) -> Vec<Placement> {
@@ -27,9 +30,9 @@ fn placements(n: usize, n_meshes: u32, reach: f32, seed: u64) -> Vec<Placement> 
         .collect()
 }
 
-fn two_level(world: &Triangles, meshes: &[Triangles], placements: Vec<Placement>) -> TwoLevel {
-    let bvhs = meshes.iter().map(|m| build(m, &MESH_OPTIONS).unwrap()).collect();
-    TwoLevel::build(world, bvhs, placements, &BuildOptions::default()).unwrap()
+fn two_level(width: Width, world: &Triangles, meshes: &[Triangles], placements: Vec<Placement>) -> TwoLevel {
+    let bvhs = meshes.iter().map(|m| Level::build(width, m, &[], &MESH_OPTIONS).unwrap()).collect();
+    TwoLevel::build(width, world, bvhs, placements, &BuildOptions::default()).unwrap()
 }
 
 /// The world's own triangles, then those of each placement.
@@ -54,11 +57,15 @@ fn inner_ray(triangles: &[[Vec3; 3]], random: &mut Random) -> (Vec3, Vec3) {
 
 #[test]
 fn placed_meshes_are_met_as_if_they_were_copied() {
+    WIDTHS.into_iter().for_each(placed_meshes_are_met);
+}
+
+fn placed_meshes_are_met(width: Width) {
     let meshes = [soup(300, 0.2, 1.0, 1), soup(40, 0.5, 1.0, 2)];
     let world = soup(200, 0.3, 6.0, 3);
-    let two_level = two_level(&world, &meshes, placements(40, 2, 6.0, 4));
+    let two_level = two_level(width, &world, &meshes, placements(40, 2, 6.0, 4));
     let all = flattened(&world, &meshes, &two_level.placements);
-    let flat = build(&all, &BuildOptions::default()).unwrap();
+    let flat = build_wide(&all, &BuildOptions::default()).unwrap();
     let first = |placement: usize| -> usize {
         let before = two_level.placements[..placement].iter();
         world.len() + before.map(|p| meshes[p.mesh as usize].len()).sum::<usize>()
@@ -86,19 +93,20 @@ fn placed_meshes_are_met_as_if_they_were_copied() {
 
 #[test]
 fn degenerate_meshes_can_be_placed() {
-    for (name, mesh) in inputs() {
+    let all = WIDTHS.into_iter().flat_map(|width| inputs().into_iter().map(move |input| (width, input)));
+    for (width, (name, mesh)) in all {
         // Nothing larger than f32 holds can be placed in it.
         if ["huge", "largest"].contains(&name) {
             continue;
         }
         let reach = if name == "tiny" { 1e-37 } else { 1e3 };
         let meshes = [mesh];
-        let two_level = two_level(&soup(20, 1.0, 5.0, 1), &meshes, placements(30, 1, reach, 2));
-        two_level.meshes[0].validate(&meshes[0]).unwrap();
+        let two_level = two_level(width, &soup(20, 1.0, 5.0, 1), &meshes, placements(30, 1, reach, 2));
+        two_level.meshes[0].validate_with_instances(&meshes[0], &[]).unwrap();
         let bounds = two_level.placement_bounds();
         two_level.world.validate_with_instances(&soup(20, 1.0, 5.0, 1), &bounds).unwrap();
-        let levels = two_level.world.max_depth + two_level.meshes[0].max_depth;
-        assert!(levels + 2 <= STACK_SIZE, "{name}: {levels} levels");
+        let levels = two_level.world.max_depth() + two_level.meshes[0].max_depth();
+        assert!(levels + 3 <= STACK_SIZE, "{name}: {levels} levels");
         for (p, bounds) in two_level.placements.iter().zip(&bounds) {
             for v in flattened(&vec![], &meshes, &[*p]).as_flattened() {
                 assert!(bounds.contains_point(*v), "{name}: {v} is not in {bounds:?}");
@@ -111,56 +119,72 @@ fn degenerate_meshes_can_be_placed() {
 fn many_placements_at_one_place_are_no_deeper_than_a_stack() {
     let meshes = [soup(1000, 0.1, 1.0, 1)];
     let at_once = vec![placements(1, 1, 1.0, 1)[0]; 3000];
-    let two_level = two_level(&vec![], &meshes, at_once);
-    assert!(two_level.world.max_depth + two_level.meshes[0].max_depth + 2 <= STACK_SIZE);
-    two_level.world.validate_with_instances(&[], &two_level.placement_bounds()).unwrap();
+    for width in WIDTHS {
+        let two_level = two_level(width, &vec![], &meshes, at_once.clone());
+        assert!(two_level.world.max_depth() + two_level.meshes[0].max_depth() + 3 <= STACK_SIZE);
+        two_level.world.validate_with_instances(&[], &two_level.placement_bounds()).unwrap();
+    }
 }
 
 /// Every reference among all nodes leads to where the two levels say.
 #[test]
 fn nodes_of_all_levels_lie_together() {
+    WIDTHS.into_iter().for_each(nodes_lie_together);
+}
+
+fn nodes_lie_together(width: Width) {
     let meshes = [soup(300, 0.2, 1.0, 1), soup(40, 0.5, 1.0, 2)];
     let world = soup(100, 0.3, 6.0, 3);
-    let two_level = two_level(&world, &meshes, placements(10, 2, 6.0, 4));
+    let two_level = two_level(width, &world, &meshes, placements(10, 2, 6.0, 4));
     let first_ids: Vec<u32> = (0..10).map(|i| 1000 * i).collect();
     let words = two_level.nodes(&first_ids);
-    let all = Bvh { nodes: words.clone(), ..two_level.world.clone() };
-    let n_nodes: usize = two_level.slots().map(|bvh| bvh.nodes.len() / 4).sum();
-    assert_eq!(words.len(), 4 * (n_nodes + 10));
+    let n_nodes: usize = two_level.slots().map(Level::n_nodes).sum();
+    let (nodes, records) = words.split_at(width.node_vec4() * n_nodes);
+    assert_eq!(records.len(), 4 * 10);
+    let all = match two_level.world.clone() {
+        Level::Binary(world) => Level::Binary(Bvh { nodes: nodes.to_vec(), ..world }),
+        Level::Wide(world) => {
+            let nodes = nodes.chunks_exact(WideNode::VEC4).map(|node| WideNode(node.try_into().unwrap()));
+            Level::Wide(WideBvh { nodes: nodes.collect(), ..world })
+        }
+    };
     let (mut first_node, mut first_slot) = (0, 0);
     let mut roots = Vec::new();
     for bvh in two_level.slots() {
         roots.push(first_node);
-        for node in 0..bvh.nodes.len() as u32 / 4 {
-            for (own, together) in bvh.children(node).into_iter().zip(all.children(first_node + node)) {
+        for node in 0..bvh.n_nodes() as u32 {
+            let together = all.children(first_node + node);
+            assert_eq!(bvh.children(node).count(), all.children(first_node + node).count());
+            for (own, together) in bvh.children(node).zip(together) {
                 let expected = match own.1 {
                     Child::Inner(inner) => Child::Inner(first_node + inner),
                     Child::Leaf { first, count } => Child::Leaf { first: first_slot + first, count },
-                    Child::Instance(placement) => Child::Instance(n_nodes as u32 + placement),
                 };
                 assert_eq!((own.0, expected), together);
             }
         }
-        first_node += bvh.nodes.len() as u32 / 4;
-        first_slot += bvh.primitives.len() as u32;
+        first_node += bvh.n_nodes() as u32;
+        first_slot += bvh.primitives().len() as u32;
     }
-    for (placement, record) in two_level.placements.iter().zip(words[4 * n_nodes..].chunks_exact(4)) {
-        assert_eq!(record[3][0], roots[placement.mesh as usize + 1]);
+    for (i, placement) in (0..).zip(&two_level.placements) {
+        let record = &words[two_level.record(i) as usize..];
+        assert_eq!(record[3][..2], [roots[placement.mesh as usize + 1], first_ids[i as usize]]);
     }
-    assert_eq!(words[words.len() - 1][1], 9000);
 }
 
 /// `validate_with_instances` has to fail on each kind of damage.
 #[test]
 fn validate_finds_damaged_instances() {
     let meshes = [soup(40, 0.5, 1.0, 2)];
-    let two_level = two_level(&vec![], &meshes, placements(10, 1, 6.0, 4));
-    let bounds = two_level.placement_bounds();
-    two_level.world.validate_with_instances(&[], &bounds).unwrap();
-    assert!(two_level.world.validate_with_instances(&[], &bounds[..9]).is_err(), "one too many");
-    let more = [bounds.clone(), vec![bounds[0]]].concat();
-    assert!(two_level.world.validate_with_instances(&[], &more).is_err(), "one is missing");
-    let mut grown = bounds.clone();
-    grown[3].max += Vec3::X;
-    assert!(two_level.world.validate_with_instances(&[], &grown).is_err(), "one sticks out");
+    for width in WIDTHS {
+        let two_level = two_level(width, &vec![], &meshes, placements(10, 1, 6.0, 4));
+        let bounds = two_level.placement_bounds();
+        two_level.world.validate_with_instances(&[], &bounds).unwrap();
+        assert!(two_level.world.validate_with_instances(&[], &bounds[..9]).is_err(), "one too many");
+        let more = [bounds.clone(), vec![bounds[0]]].concat();
+        assert!(two_level.world.validate_with_instances(&[], &more).is_err(), "one is missing");
+        let mut grown = bounds.clone();
+        grown[3].max += Vec3::X;
+        assert!(two_level.world.validate_with_instances(&[], &grown).is_err(), "one sticks out");
+    }
 }

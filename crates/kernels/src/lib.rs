@@ -4,6 +4,8 @@
 //! the buffers with their accessors, `wgsl/probes/` kernels that only tests run. The build script
 //! links, validates and translates them; [`layout`] and [`constants`] are generated from the WGSL.
 
+mod traversal;
+
 use wgsl_cpu::Kernel;
 
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));

@@ -125,7 +125,7 @@ impl Renderer {
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         settings.validate()?;
-        let packed = PackedScene::new(scene, camera, settings.rng.table())?;
+        let packed = PackedScene::new(scene, camera, settings.rng.table(), device.info().kind)?;
         let n_pixels = n_pixels(&settings);
         let scene_plan = plan_scene(&packed);
         let n_groups = if settings.light_groups { packed.light_groups.len() as u32 } else { 1 };

@@ -1,7 +1,8 @@
 //! Which geometry lies in the world as it is, and which is placed: how kernels number triangles.
 
 use glam::{DAffine3, DMat3, Vec3};
-use midway_accel::{BuildOptions, Hit, MAX_REFERENCES, MESH_OPTIONS, Placement, TwoLevel, build};
+use midway_accel::{BuildOptions, Hit, Level, MAX_REFERENCES, MESH_OPTIONS, Placement, TwoLevel, Width};
+use midway_device::DeviceKind;
 use midway_scene::{Bounds, PlacedMesh, Scene, WorldTriangle};
 
 use crate::RenderError;
@@ -13,6 +14,15 @@ const LEAST_BAKING_BUDGET: u64 = 1 << 18;
 /// How much a transform there and back, and where it leads, may multiply rounding by. Rays leave
 /// surfaces by 256 units in the last place (`offset_origin`); an eighth of that is for transforms.
 const MAX_AMPLIFICATION: f64 = 32.0;
+
+/// Which hierarchy is built for a device: the one place to change it. Both are measured by
+/// `midway bench rays` (bench/NOTES.md). The CPU's own traversal knows the wide one alone.
+pub(crate) fn hierarchy_of(kind: DeviceKind) -> Width {
+    match kind {
+        DeviceKind::Cpu => Width::Wide,
+        DeviceKind::Gpu | DeviceKind::SoftwareGpu => Width::Wide,
+    }
+}
 
 /// The world's triangles by their ids: of baked instances first, then instance by instance those of
 /// placed meshes, which share one copy of their geometry.
@@ -147,11 +157,11 @@ impl<'a> World<'a> {
     ///
     /// # Errors
     /// If there is too much to address.
-    pub fn build(&self, positions: &[[Vec3; 3]]) -> Result<TwoLevel, RenderError> {
+    pub fn build(&self, positions: &[[Vec3; 3]], width: Width) -> Result<TwoLevel, RenderError> {
         let bottom = |&mesh: &u32| {
             let alone = self.scene.mesh_alone(mesh);
             let triangles: Vec<[Vec3; 3]> = (0..alone.n_triangles()).map(|t| alone.positions(t)).collect();
-            build(&triangles, &MESH_OPTIONS)
+            Level::build(width, &triangles, &[], &MESH_OPTIONS)
         };
         let meshes = self.meshes.iter().map(bottom).collect::<Result<Vec<_>, _>>()?;
         let placements = self.placed().iter().map(|part| {
@@ -161,7 +171,7 @@ impl<'a> World<'a> {
                 world_from_mesh: *self.scene.placed(part.instance).world_from_mesh(),
             }
         });
-        Ok(TwoLevel::build(positions, meshes, placements.collect(), &BuildOptions::default())?)
+        Ok(TwoLevel::build(width, positions, meshes, placements.collect(), &BuildOptions::default())?)
     }
 }
 

@@ -4,12 +4,12 @@
 
 use std::{env, fs, path::PathBuf};
 
-use wgsl_cpu::translate::translate;
+use wgsl_cpu::translate::{Native, translate_with};
 
-fn check(name: &str) {
+fn check(name: &str, natives: &[Native]) {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
     let wgsl = fs::read_to_string(folder.join(name).with_extension("wgsl")).expect("the WGSL is there");
-    let actual = translate(&wgsl).unwrap_or_else(|error| panic!("{name}: {error}")).rust;
+    let actual = translate_with(&wgsl, natives).unwrap_or_else(|error| panic!("{name}: {error}")).rust;
     let golden = folder.join(name).with_extension("rs");
     if env::var("WGSL_CPU_BLESS").as_deref() == Ok("1") {
         fs::write(&golden, &actual).expect("the golden file is writable");
@@ -31,15 +31,21 @@ fn check(name: &str) {
 
 #[test]
 fn statements() {
-    check("statements");
+    check("statements", &[]);
 }
 
 #[test]
 fn expressions() {
-    check("expressions");
+    check("expressions", &[]);
 }
 
 #[test]
 fn kernel() {
-    check("kernel");
+    check("kernel", &[]);
+}
+
+#[test]
+fn native() {
+    let natives = ["weight", "search"].map(|function| Native { function, path: "crate::by_hand" });
+    check("native", &natives);
 }

@@ -2,7 +2,7 @@
 //! order, on both devices; what cannot be added is counted.
 
 use bytemuck::{bytes_of, cast_slice};
-use midway_accel::{BuildOptions, build};
+use midway_accel::{BuildOptions, build_wide};
 use midway_kernels::{constants as k, layout::Params};
 use midway_tests::estimate::{cpu, gpu};
 
@@ -25,7 +25,8 @@ fn add_all(device: &dyn midway_device::Device, additions: &[Addition], clamp: f3
         clamp,
         ..bytemuck::Zeroable::zeroed()
     };
-    let nodes = build(&[], &BuildOptions::default()).expect("an empty hierarchy").nodes;
+    let empty = build_wide(&[], &BuildOptions::default()).expect("an empty hierarchy");
+    let nodes: Vec<[u32; 4]> = empty.nodes.iter().flat_map(|node| node.0).collect();
     let mut counters = [0u32; k::N_COUNTERS as usize];
     counters[k::COUNT_SHADOW_TRACE as usize] = additions.len() as u32;
     let rays: Vec<[u32; 4]> = additions

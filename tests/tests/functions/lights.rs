@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::DVec3;
-use midway_device::Device;
+use midway_device::{Device, DeviceKind};
 use midway_kernels::{constants::PROBE_STRIDE, layout::Params, native::lib};
 use midway_render::PackedScene;
 use midway_tests::{
@@ -126,7 +126,8 @@ fn luminance(rgb: DVec3) -> f64 {
 #[test]
 fn environment_directions_have_their_density() {
     let known = lit::sky();
-    let packed = PackedScene::new(&known.scene, &known.scene.cameras[0], None).expect("packs");
+    let packed =
+        PackedScene::new(&known.scene, &known.scene.cameras[0], None, DeviceKind::Cpu).expect("packs");
     let mut random = Random::new(23);
     let directions: Vec<DVec3> = (0..N).map(|_| random.direction()).collect();
     let words = probe_environment(&*cpu(), &packed, &directions);
@@ -163,7 +164,8 @@ fn environment_directions_have_their_density() {
 fn environments_agree_on_both_devices() {
     let Some(gpu) = gpu() else { return };
     let known = lit::sky();
-    let packed = PackedScene::new(&known.scene, &known.scene.cameras[0], None).expect("packs");
+    let packed =
+        PackedScene::new(&known.scene, &known.scene.cameras[0], None, DeviceKind::Cpu).expect("packs");
     let mut random = Random::new(24);
     let directions: Vec<DVec3> = (0..20_011).map(|_| random.direction()).collect();
     let results = |device: &dyn Device| Results {

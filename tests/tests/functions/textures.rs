@@ -1,6 +1,7 @@
 //! Textures as kernels see them, against the same images blended in f64 on the host; and on a GPU.
 
 use glam::{Mat3, Vec2};
+use midway_device::DeviceKind;
 use midway_kernels::{constants::PROBE_STRIDE, layout::Params};
 use midway_render::PackedScene;
 use midway_scene::{
@@ -144,7 +145,7 @@ impl Case {
 
     fn probe(&self, device: &dyn midway_device::Device) -> Vec<f32> {
         let eye = camera(glam::Vec3::Z, glam::Vec3::ZERO, 40.0);
-        let packed = PackedScene::new(&self.scene, &eye, None).expect("packs");
+        let packed = PackedScene::new(&self.scene, &eye, None, DeviceKind::Cpu).expect("packs");
         let params = Params {
             slots_at: packed.slots_at,
             textures_at: packed.textures_at,

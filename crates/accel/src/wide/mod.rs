@@ -19,15 +19,13 @@ use obvhs::{
 };
 
 use crate::{
-    AccelError, BuildOptions, Statistics,
+    AccelError, BuildOptions, Child, Statistics,
     references::{Normalisation, Reference},
     topology::{Tree, TreeNode},
 };
 
-pub use node::{WideChild, WideNode};
+pub use node::WideNode;
 
-/// Traversal stacks hold this many entries of two words: [`WideBvh::max_depth`] is below it.
-pub const WIDE_STACK_SIZE: usize = 32;
 /// The most triangles of a child: their number is in unary, in three bits.
 const MAX_WIDE_LEAF: usize = 3;
 
@@ -39,7 +37,8 @@ pub struct WideBvh {
     /// The triangle in each leaf slot; with spatial splits one may be in several leaves. From the
     /// number of triangles on: instances.
     pub primitives: Vec<u32>,
-    /// Nodes on the longest way from the root down; below [`WIDE_STACK_SIZE`].
+    /// Nodes on the longest way from the root down; below [`crate::STACK_SIZE`], since each holds one of the
+    /// binary tree's at least.
     pub max_depth: usize,
     /// Around everything, padded; inverted where there is nothing.
     pub bounds: Bounds,
@@ -60,20 +59,31 @@ impl WideBvh {
 ///
 /// As [`crate::build`].
 pub fn build_wide(triangles: &[[Vec3; 3]], options: &BuildOptions) -> Result<WideBvh, AccelError> {
+    build_wide_with_instances(triangles, &[], options)
+}
+
+/// As [`build_wide`], over instances too, which are never split. `instances`: around each, finite and not
+/// empty.
+///
+/// # Errors
+///
+/// As [`crate::build`].
+pub fn build_wide_with_instances(
+    triangles: &[[Vec3; 3]],
+    instances: &[Bounds],
+    options: &BuildOptions,
+) -> Result<WideBvh, AccelError> {
     let start = Instant::now();
     let max_leaf_size = options.max_leaf_size.clamp(1, MAX_WIDE_LEAF);
     // A wide leaf is gathered from binary ones that hold one reference each.
     let binary = BuildOptions { max_leaf_size: 1, ..*options };
-    let (references, normalisation, tree) = crate::collect_and_build(triangles, &[], &binary)?;
+    let (references, normalisation, tree) = crate::collect_and_build(triangles, instances, &binary)?;
     let wide = to_obvhs(&tree, &references, &normalisation)
         .map_or_else(CwBvh::default, |bvh| bvh2_to_cwbvh(&bvh, max_leaf_size as u32, true, false));
     let mut wide = pack(&wide, &references);
-    if wide.max_depth >= WIDE_STACK_SIZE {
-        return Err(AccelError::Invalid(format!("a wide hierarchy {} levels deep", wide.max_depth)));
-    }
     wide.statistics = Statistics {
         triangles: triangles.len(),
-        duplicated_references: wide.primitives.len().saturating_sub(triangles.len()),
+        duplicated_references: wide.primitives.len().saturating_sub(triangles.len() + instances.len()),
         balanced_fallback: tree.balanced_fallback,
         build_time: start.elapsed(),
         ..wide.statistics
@@ -136,11 +146,11 @@ fn pack(wide: &CwBvh, references: &[Reference]) -> WideBvh {
                     .fold(Bounds::EMPTY, |all, &member| all.union(references[member as usize].bounds));
                 statistics.leaves += 1;
                 area_cost += around.half_area() * f64::from(count);
-                *child = Some((around, WideChild::Leaf { first, count }));
+                *child = Some((around, Child::Leaf { first, count }));
             } else {
                 let node = source.child_node_index(slot);
                 depths[index] = depths[index].max(1 + depths[node as usize]);
-                *child = Some((bounds[node as usize], WideChild::Inner(node)));
+                *child = Some((bounds[node as usize], Child::Inner(node)));
             }
         }
         bounds[index] = children.iter().flatten().fold(Bounds::EMPTY, |all, child| all.union(child.0));

@@ -3,6 +3,8 @@
 use glam::{DVec3, Vec3};
 use midway_scene::Bounds;
 
+use crate::Child;
+
 /// What is left free at both ends of the grid, in steps of it: rounding in the kernels' slab test is
 /// below 2⁻²² of the node's extent (its origin is subtracted first), which is 2⁻¹⁴ steps.
 const SLACK: f64 = 1.0 / 256.0;
@@ -28,43 +30,39 @@ const EXPONENTS: std::ops::RangeInclusive<i32> = 1..=254;
 #[repr(C)]
 pub struct WideNode(pub [[u32; 4]; 5]);
 
-/// A decoded child.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WideChild {
-    /// Index of a node.
-    Inner(u32),
-    /// A range of leaf slots.
-    Leaf {
-        /// Its first slot.
-        first: u32,
-        /// Slots: 1 to 3.
-        count: u32,
-    },
-}
-
 impl WideNode {
     /// Without children.
     pub const EMPTY: Self = Self([[0; 4]; 5]);
 
+    /// How many vec4 it takes.
+    pub const VEC4: usize = 5;
+
+    /// As it is where this many nodes and leaf slots lie before those of its hierarchy.
+    pub(crate) fn moved(mut self, first_node: u32, first_slot: u32) -> Self {
+        self.0[1][0] += first_node;
+        self.0[1][1] += first_slot;
+        self
+    }
+
     /// `bounds` are around all children; inner ones follow each other in the order of their slots,
     /// and leaves lie within 24 leaf slots.
-    pub(super) fn new(bounds: &Bounds, children: &[Option<(Bounds, WideChild)>; 8]) -> Self {
+    pub(super) fn new(bounds: &Bounds, children: &[Option<(Bounds, Child)>; 8]) -> Self {
         let grid = Grid::around(bounds);
         let mut bytes = [0u8; 80];
         for axis in 0..3 {
             bytes[4 * axis..4 * axis + 4].copy_from_slice(&grid.origin[axis].to_le_bytes());
             bytes[12 + axis] = grid.exponents[axis];
         }
-        let firsts = |wanted: fn(WideChild) -> Option<u32>| {
+        let firsts = |wanted: fn(Child) -> Option<u32>| {
             children.iter().flatten().filter_map(|child| wanted(child.1)).min().unwrap_or(0)
         };
         let first_node = firsts(|child| match child {
-            WideChild::Inner(node) => Some(node),
-            WideChild::Leaf { .. } => None,
+            Child::Inner(node) => Some(node),
+            Child::Leaf { .. } => None,
         });
         let first_slot = firsts(|child| match child {
-            WideChild::Inner(_) => None,
-            WideChild::Leaf { first, .. } => Some(first),
+            Child::Inner(_) => None,
+            Child::Leaf { first, .. } => Some(first),
         });
         bytes[16..20].copy_from_slice(&first_node.to_le_bytes());
         bytes[20..24].copy_from_slice(&first_slot.to_le_bytes());
@@ -72,11 +70,11 @@ impl WideNode {
             // What is not there has an inverted box, which no ray from outside meets.
             let ([min, max], meta) = match child {
                 None => ([[255; 3], [0; 3]], 0),
-                Some((bounds, WideChild::Inner(_))) => {
+                Some((bounds, Child::Inner(_))) => {
                     bytes[15] |= 1 << slot;
                     (grid.quantise(bounds), 0b0010_0000 | (24 + slot as u8))
                 }
-                Some((bounds, WideChild::Leaf { first, count })) => {
+                Some((bounds, Child::Leaf { first, count })) => {
                     let unary = (1u8 << count) - 1;
                     (grid.quantise(bounds), unary << 5 | (first - first_slot) as u8)
                 }
@@ -92,7 +90,7 @@ impl WideNode {
     }
 
     /// Its children with their boxes, by slot.
-    pub fn children(&self) -> [Option<(Bounds, WideChild)>; 8] {
+    pub fn children(&self) -> [Option<(Bounds, Child)>; 8] {
         let byte = |at: usize| (self.0[at / 16][at / 4 % 4] >> (8 * (at % 4))) as u8;
         let grid = Grid {
             origin: Vec3::from_array(std::array::from_fn(|axis| f32::from_bits(self.0[0][axis]))),
@@ -105,10 +103,10 @@ impl WideNode {
             let bounds = || Bounds { min: grid.place(corner(32)), max: grid.place(corner(56)) };
             if byte(15) >> slot & 1 != 0 {
                 n_inner += 1;
-                return Some((bounds(), WideChild::Inner(self.0[1][0] + n_inner - 1)));
+                return Some((bounds(), Child::Inner(self.0[1][0] + n_inner - 1)));
             }
             let first = self.0[1][1] + u32::from(meta & 0x1f);
-            (meta != 0).then(|| (bounds(), WideChild::Leaf { first, count: (meta >> 5).count_ones() }))
+            (meta != 0).then(|| (bounds(), Child::Leaf { first, count: (meta >> 5).count_ones() }))
         })
     }
 }
@@ -169,8 +167,9 @@ fn step(exponent: u8) -> f64 {
     f64::from(i32::from(exponent) - 127).exp2()
 }
 
-/// The greatest f32 that is not above.
+/// The greatest finite f32 that is not above, where there is one.
 fn below(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) > x { nearest.next_down() } else { nearest }
+    let below = if f64::from(nearest) > x { nearest.next_down() } else { nearest };
+    below.max(f32::MIN)
 }

@@ -1,6 +1,6 @@
 //! `midway bench rays`.
 
-use std::path::Path;
+use std::{path::Path, time::Duration};
 
 use midway_device::{OpenOptions, open_device};
 use midway_render::{
@@ -20,8 +20,8 @@ use crate::{
 const GENERATED: &str = "generated:";
 /// Beyond this a generated scene is no use: hierarchies address 2^27 triangles.
 const MOST_GENERATED: u32 = 1 << 26;
-/// Runs that are measured.
-const REPEATS: u32 = 5;
+/// Measured runs of each variant.
+const ROUNDS: u32 = 7;
 
 /// Measures every variant and prints a row for each.
 ///
@@ -32,7 +32,7 @@ pub fn run(args: &RaysArgs) -> Outcome {
     let open = OpenOptions { threads: args.threads.map(|n| n as usize), ..OpenOptions::default() };
     let device = open_device(&args.device, &open).or_status(Status::Device)?;
     console::note(&format!("device: {} ({})", device.info().name, device.info().backend));
-    let options = RaysOptions { n_rays: args.rays, repeats: REPEATS, only: args.only.clone() };
+    let options = RaysOptions { n_rays: args.rays, rounds: ROUNDS, only: args.only.clone() };
     let mut hierarchies = Vec::new();
     let mut rows: Vec<Value> = Vec::new();
     console::note(&header());
@@ -83,19 +83,21 @@ fn splits(spatial: bool) -> &'static str {
 
 fn header() -> String {
     format!(
-        "{:<12} {:<7} {:<14} {:<8} {:>10} {:>12} {:>6} {:>9}",
-        "variant", "tree", "rays", "asks", "Mrays/s", "/CPU second", "hit", "differ"
+        "{:<12} {:<7} {:<14} {:<8} {:>10} {:>17} {:>12} {:>6} {:>9}",
+        "variant", "tree", "rays", "asks", "Mrays/s", "least to most", "/CPU second", "hit", "differ"
     )
 }
 
 fn line(report: &RayReport) -> String {
+    let [least, most] = report.mrays_per_second_range();
     format!(
-        "{:<12} {:<7} {:<14} {:<8} {:>10.2} {:>12} {:>5.1}% {:>9}",
+        "{:<12} {:<7} {:<14} {:<8} {:>10.2} {:>17} {:>12} {:>5.1}% {:>9}",
         report.variant,
         splits(report.spatial_splits),
         report.rays,
         report.question.name(),
         report.mrays_per_second(),
+        format!("{least:.2} to {most:.2}"),
         report.mrays_per_cpu_second().map_or_else(|| "-".to_owned(), |rate| format!("{rate:.3}")),
         100.0 * report.hit_share,
         report.n_different,
@@ -103,14 +105,17 @@ fn line(report: &RayReport) -> String {
 }
 
 fn row_json(report: &RayReport) -> Value {
+    let [least, most] = report.mrays_per_second_range();
     json!({
         "variant": report.variant,
         "spatial_splits": report.spatial_splits,
         "rays": report.rays,
         "question": report.question.name(),
         "n_rays": report.n_rays,
-        "seconds": report.time.as_secs_f64(),
+        "seconds": report.times.iter().map(Duration::as_secs_f64).collect::<Vec<_>>(),
         "mrays_per_second": report.mrays_per_second(),
+        "mrays_per_second_least": least,
+        "mrays_per_second_most": most,
         "mrays_per_cpu_second": report.mrays_per_cpu_second(),
         "hit_share": report.hit_share,
         "n_different": report.n_different,

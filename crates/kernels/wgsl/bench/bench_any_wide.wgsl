@@ -2,7 +2,7 @@
 // One invocation: one ray. Reads: nodes, triangles, rays. Writes: hits.
 
 #include "lib/all.wgsl"
-#include "bindings/geometry_wide.wgsl"
+#include "bindings/geometry.wgsl"
 #include "bindings/bench_rays.wgsl"
 
 @compute @workgroup_size(64)
@@ -13,5 +13,5 @@ fn bench_any_wide(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let ray = rays[index * BENCH_RAY_STRIDE];
     let direction = rays[index * BENCH_RAY_STRIDE + 1u].xyz;
-    store_any(index, any_hit_wide(ray.xyz, direction, ray.w));
+    store_any(index, any_hit(ray.xyz, direction, ray.w));
 }

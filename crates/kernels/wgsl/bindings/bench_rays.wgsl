@@ -8,9 +8,9 @@ const GRID_ROW: u32 = 2097152u;
 @group(0) @binding(23) var<storage, read> rays: array<vec4<f32>>;
 @group(0) @binding(24) var<storage, read_write> hits: array<vec4<f32>>;
 
-/// Everything is solid here.
+/// Everything is solid here. (It looks at a buffer, as every `passes` does, for the CPU's own traversal.)
 fn passes(id: u32, u: f32, v: f32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
-    return false;
+    return arrayLength(&rays) == 0u;
 }
 
 fn ray_index(id: vec3<u32>) -> u32 {

@@ -16,7 +16,7 @@ fn closest_hit_speculative(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) 
     var kept = 0u;
     loop {
         while ((node & LEAF_BIT) == 0u) {
-            let at = node * NODE_STRIDE;
+            let at = node * BINARY_STRIDE;
             let a = nodes[at];
             let b = nodes[at + 1u];
             let c = nodes[at + 2u];
@@ -80,7 +80,7 @@ fn any_hit_speculative(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> b
     var kept = 0u;
     loop {
         while ((node & LEAF_BIT) == 0u) {
-            let at = node * NODE_STRIDE;
+            let at = node * BINARY_STRIDE;
             let a = nodes[at];
             let b = nodes[at + 1u];
             let c = nodes[at + 2u];

@@ -38,7 +38,9 @@ const FEATURE_TEXTURED_LIGHTS: u32 = 262144u;
 /// A table of pre-generated random numbers.
 const FEATURE_RANDOM_TABLE: u32 = 32768u;
 /// What each group of lights adds to the image is kept apart.
-const FEATURE_LIGHT_GROUPS: u32 = 262144u;
+const FEATURE_LIGHT_GROUPS: u32 = 524288u;
+/// The wide hierarchy, not the binary one.
+const FEATURE_WIDE: u32 = 1048576u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {

@@ -3,7 +3,7 @@
 use std::iter::repeat_n;
 
 use glam::{Vec2, Vec3, Vec4};
-use midway_accel::TwoLevel;
+use midway_accel::{Hierarchy, TwoLevel};
 use midway_kernels::constants as k;
 use midway_scene::{Mesh, Opacity, PlacedMesh, WorldTriangle};
 
@@ -21,7 +21,7 @@ const LARGEST_HALF: f32 = 65504.0;
 
 /// The slots of the hierarchies' leaves.
 pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions: &[[Vec3; 3]]) -> Vec<Word4> {
-    let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives.len()).sum();
+    let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives().len()).sum();
     let mut words = Vec::with_capacity(n_slots * k::TRIANGLE_STRIDE as usize);
     let kind_of = |mesh: &Mesh| {
         let material = &world.scene().materials[mesh.material as usize];
@@ -33,13 +33,19 @@ pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions:
     let mut slot = |[a, b, c]: [Vec3; 3], primitive: u32, kind: u32| {
         words.extend([word4(a, primitive), word4(b - a, kind), word4(c - a, 0)]);
     };
-    for &primitive in &two_level.world.primitives {
-        slot(positions[primitive as usize], primitive, baked[primitive as usize]);
+    for &primitive in two_level.world.primitives() {
+        match positions.get(primitive as usize) {
+            Some(&triangle) => slot(triangle, primitive, baked[primitive as usize]),
+            None => {
+                let placement = primitive - positions.len() as u32;
+                slot([Vec3::ZERO; 3], two_level.record(placement), k::SLOT_INSTANCE);
+            }
+        }
     }
     for (bvh, &mesh) in two_level.meshes.iter().zip(&world.meshes) {
         let alone = world.scene().mesh_alone(mesh);
         let kind = kind_of(alone.mesh());
-        bvh.primitives.iter().for_each(|&primitive| slot(alone.positions(primitive), primitive, kind));
+        bvh.primitives().iter().for_each(|&primitive| slot(alone.positions(primitive), primitive, kind));
     }
     words
 }

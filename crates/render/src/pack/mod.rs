@@ -11,6 +11,8 @@ mod textures;
 use std::sync::Arc;
 
 use glam::Vec3;
+use midway_accel::Width;
+use midway_device::DeviceKind;
 use midway_kernels::constants as k;
 use midway_scene::{Camera, Scene, Sphere};
 
@@ -28,7 +30,7 @@ use crate::{
     features::scene_features,
     lights::Lights,
     medium::{CameraMedia, MediumFinder},
-    world::World,
+    world::{World, hierarchy_of},
 };
 
 /// A vec4 as bits, so that no float move touches an integer.
@@ -83,15 +85,22 @@ pub struct PackedScene {
 }
 
 impl PackedScene {
-    /// Packs a scene as seen by a camera. `rng_table`: how many random numbers to pre-generate.
+    /// Packs a scene as seen by a camera for a kind of device, which decides by which hierarchy it is
+    /// traversed. `rng_table`: how many random numbers to pre-generate.
     ///
     /// # Errors
     /// If the scene is invalid or no hierarchy can be built over it.
-    pub fn new(scene: &Scene, camera: &Camera, rng_table: Option<u32>) -> Result<Self, RenderError> {
+    pub fn new(
+        scene: &Scene,
+        camera: &Camera,
+        rng_table: Option<u32>,
+        device: DeviceKind,
+    ) -> Result<Self, RenderError> {
         scene.validate()?;
         let world = World::new(scene)?;
         let positions = world.baked_positions();
-        let two_level = world.build(&positions)?;
+        let hierarchy = hierarchy_of(device);
+        let two_level = world.build(&positions, hierarchy)?;
         let sphere = scene.bounds().sphere();
         let environment = EnvironmentMap::of(scene)?;
         let emissions: Vec<Vec3> = scene.materials.iter().map(|m| mean_color(scene, &m.emission)).collect();
@@ -135,6 +144,7 @@ impl PackedScene {
             (at.has_attributes, k::FEATURE_ATTRIBUTES),
             (!textures.words().is_empty(), k::FEATURE_TEXTURES),
             (rng_table.is_some(), k::FEATURE_RANDOM_TABLE),
+            (hierarchy == Width::Wide, k::FEATURE_WIDE),
         ];
         let features =
             set.iter().filter(|(has, _)| *has).fold(scene_features(scene), |all, (_, bit)| all | bit);

@@ -1,7 +1,8 @@
 //! How many rays a second each traversal kernel traces over each hierarchy: `midway bench rays`.
 //!
 //! One level, everything solid: instances are laid out as copies, and what cut-outs cost is not
-//! part of it. Every variant is given the same rays, and its hits are compared with the first one's.
+//! part of it. Every variant is given the same rays, in turn with the others after a warm-up, and its
+//! hits are compared with the first one's.
 
 mod batches;
 mod generated;
@@ -10,7 +11,7 @@ mod measure;
 use std::{sync::Arc, time::Duration};
 
 use glam::Vec3;
-use midway_accel::{BuildOptions, Bvh, WideBvh, build, build_wide};
+use midway_accel::{BuildOptions, Hierarchy as _, Level, Width};
 use midway_device::{Device, DeviceKind};
 use midway_kernels::constants as k;
 use midway_scene::Scene;
@@ -30,8 +31,8 @@ const CPU_RAYS: u32 = 1 << 18;
 pub struct RaysOptions {
     /// Rays of each kind; by the device where none.
     pub n_rays: Option<u32>,
-    /// Runs measured after one to warm up; the median counts. At least 1.
-    pub repeats: u32,
+    /// Measured runs of each variant, all of them in turn, after a warm-up; the median counts. At least 1.
+    pub rounds: u32,
     /// Only those whose variant, hierarchy, question or kind of rays contains one of these; all if empty.
     pub only: Vec<String>,
 }
@@ -43,19 +44,24 @@ pub struct Variant {
     pub name: &'static str,
     closest: &'static str,
     any: &'static str,
-    is_wide: bool,
+    width: Width,
 }
 
 /// Every variant; the first is what others are compared with.
 const VARIANTS: [Variant; 3] = [
-    Variant { name: "while-while", closest: "bench_closest_bvh2", any: "bench_any_bvh2", is_wide: false },
+    Variant {
+        name: "while-while",
+        closest: "bench_closest_binary",
+        any: "bench_any_binary",
+        width: Width::Binary,
+    },
     Variant {
         name: "speculative",
         closest: "bench_closest_speculative",
         any: "bench_any_speculative",
-        is_wide: false,
+        width: Width::Binary,
     },
-    Variant { name: "wide", closest: "bench_closest_wide", any: "bench_any_wide", is_wide: true },
+    Variant { name: "wide", closest: "bench_closest_wide", any: "bench_any_wide", width: Width::Wide },
 ];
 
 /// What a ray asks.
@@ -66,6 +72,8 @@ pub enum Question {
     /// Whether there is any.
     Any,
 }
+
+const QUESTIONS: [Question; 2] = [Question::Closest, Question::Any];
 
 impl Question {
     /// In one word.
@@ -111,9 +119,9 @@ pub struct RayReport {
     pub question: Question,
     /// How many.
     pub n_rays: usize,
-    /// The device's own time, the median.
-    pub time: Duration,
-    /// Time of all threads together in the median run by CPU time, where the system says.
+    /// The device's own time of each run, the shortest first; at least one.
+    pub times: Vec<Duration>,
+    /// Time of all threads together, the median, where the system says.
     pub cpu_time: Option<Duration>,
     /// Share of the rays that hit something.
     pub hit_share: f64,
@@ -122,14 +130,23 @@ pub struct RayReport {
 }
 
 impl RayReport {
-    /// Millions of rays a second.
+    /// Millions of rays a second, the median.
     pub fn mrays_per_second(&self) -> f64 {
-        self.n_rays as f64 / self.time.as_secs_f64().max(1e-9) * 1e-6
+        self.rate(self.times[self.times.len() / 2])
+    }
+
+    /// The slowest and the fastest run's.
+    pub fn mrays_per_second_range(&self) -> [f64; 2] {
+        [self.times[self.times.len() - 1], self.times[0]].map(|time| self.rate(time))
+    }
+
+    fn rate(&self, time: Duration) -> f64 {
+        self.n_rays as f64 / time.as_secs_f64().max(1e-9) * 1e-6
     }
 
     /// Millions of rays a second of one thread's CPU time.
     pub fn mrays_per_cpu_second(&self) -> Option<f64> {
-        self.cpu_time.map(|time| self.n_rays as f64 / time.as_secs_f64().max(1e-9) * 1e-6)
+        self.cpu_time.map(|time| self.rate(time))
     }
 }
 
@@ -157,18 +174,21 @@ pub fn bench_rays(
     let mut bench = Bench::new(&**device, &batches, options)?;
     for spatial_splits in [false, true] {
         let build_options = BuildOptions { spatial_splits, ..BuildOptions::default() };
-        let splits = if spatial_splits { "splits" } else { "plain" };
-        for is_wide in [false, true] {
-            let variants: Vec<&Variant> = VARIANTS.iter().filter(|v| v.is_wide == is_wide).collect();
-            if !variants.iter().any(|v| bench.wants_any(v.name, splits)) {
-                continue;
+        for width in [Width::Binary, Width::Wide] {
+            let is_wanted = |v: &&Variant| v.width == width && bench.wants_any(v.name, spatial_splits);
+            let variants: Vec<&Variant> = VARIANTS.iter().filter(is_wanted).collect();
+            if !variants.is_empty() {
+                let hierarchy = Hierarchy::build(&triangles, &build_options, width)?;
+                tell_hierarchy(&hierarchy.report);
+                bench.add(&hierarchy, &variants)?;
             }
-            let hierarchy = Hierarchy::build(&triangles, &build_options, is_wide)?;
-            tell_hierarchy(&hierarchy.report);
-            bench.measure(&hierarchy, &variants, &mut tell)?;
         }
     }
-    Ok(())
+    bench.measure(&mut tell)
+}
+
+fn splits_name(spatial_splits: bool) -> &'static str {
+    if spatial_splits { "splits" } else { "plain" }
 }
 
 /// A hierarchy as kernels read it.
@@ -179,31 +199,22 @@ struct Hierarchy {
 }
 
 impl Hierarchy {
-    fn build(triangles: &[[Vec3; 3]], options: &BuildOptions, is_wide: bool) -> Result<Self, RenderError> {
-        let report =
-            |name, statistics: &midway_accel::Statistics, bytes, slots: usize, depth| HierarchyReport {
-                name,
-                spatial_splits: options.spatial_splits,
-                build_time: statistics.build_time,
-                bytes,
-                nodes: statistics.inner_nodes,
-                slots_per_triangle: slots as f64 / triangles.len() as f64,
-                sah_cost: statistics.sah_cost,
-                depth,
-            };
-        if is_wide {
-            let WideBvh { nodes, primitives, max_depth, statistics, .. } = &build_wide(triangles, options)?;
-            let bytes = size_of_val(nodes.as_slice()) + size_of_val(primitives.as_slice());
-            return Ok(Self {
-                nodes: nodes.iter().flat_map(|node| node.0).collect(),
-                slots: pack_slots(triangles, primitives),
-                report: report("wide", statistics, bytes, primitives.len(), *max_depth),
-            });
-        }
-        let bvh: Bvh = build(triangles, options)?;
-        let report =
-            report("binary", &bvh.statistics, bvh.memory_bytes(), bvh.primitives.len(), bvh.max_depth);
-        Ok(Self { slots: pack_slots(triangles, &bvh.primitives), nodes: bvh.nodes, report })
+    fn build(triangles: &[[Vec3; 3]], options: &BuildOptions, width: Width) -> Result<Self, RenderError> {
+        let level = Level::build(width, triangles, &[], options)?;
+        let mut nodes = Vec::new();
+        level.append_nodes(0, 0, &mut nodes);
+        let statistics = level.statistics();
+        let report = HierarchyReport {
+            name: if width == Width::Wide { "wide" } else { "binary" },
+            spatial_splits: options.spatial_splits,
+            build_time: statistics.build_time,
+            bytes: level.memory_bytes(),
+            nodes: level.n_nodes(),
+            slots_per_triangle: level.primitives().len() as f64 / triangles.len() as f64,
+            sah_cost: statistics.sah_cost,
+            depth: level.max_depth(),
+        };
+        Ok(Self { nodes, slots: pack_slots(triangles, level.primitives()), report })
     }
 }
 

@@ -8,6 +8,7 @@ use naga::{
 };
 
 use super::{
+    Native,
     control::Frame,
     error::{Result, Unsupported},
     expression::Text,
@@ -62,16 +63,22 @@ impl Reach {
     }
 }
 
-/// Writes a function of the module.
+/// Writes a function of the module, or what stands for it.
 pub(super) fn write_function(
     module: &Module,
     module_info: &ModuleInfo,
     names: &Names,
     handle: Handle<Function>,
+    native: Option<&Native>,
 ) -> Result<String> {
     let function = &module.functions[handle];
     let writer = FunctionWriter::new(module, module_info, &module_info[handle], names, function);
-    writer.write("pub fn", names.function(handle)).map_err(|e| e.or_at(module.functions.get_span(handle)))
+    let name = names.function(handle);
+    let written = match native {
+        Some(native) => writer.write_native(native, name),
+        None => writer.write("pub fn", name),
+    };
+    written.map_err(|e| e.or_at(module.functions.get_span(handle)))
 }
 
 /// Writes the entry point, whose arguments are those that [`entry_arguments`] passes.
@@ -175,6 +182,17 @@ impl<'a> FunctionWriter<'a> {
             self.line("}");
         }
         Ok(format!("{}\n{signature} {{\n{}}}\n", self.inline_attribute(), self.code))
+    }
+
+    /// Passes all arguments to the macro of a function that is written by hand.
+    fn write_native(self, native: &Native, name: &str) -> Result<String> {
+        let signature = self.signature("pub fn", name)?;
+        let reach = Reach::new(self.module, self.info);
+        let own = [(reach.globals, "globals"), (reach.private, "private")];
+        let passed = own.into_iter().filter_map(|(is_there, name)| is_there.then_some(name));
+        let arguments = passed.chain(self.arguments.iter().map(|argument| argument.code.as_str()));
+        let arguments = arguments.collect::<Vec<_>>().join(", ");
+        Ok(format!("#[inline]\n{signature} {{\n    {}!({arguments})\n}}\n", native.path))
     }
 
     fn inline_attribute(&self) -> &'static str {

@@ -72,16 +72,34 @@ pub struct Translation {
     pub constants: Vec<ConstantInfo>,
 }
 
+/// A function that is written by hand for the CPU: its translation has the WGSL's signature and passes all
+/// arguments, `globals` first where it reaches buffers, to a macro.
+#[derive(Clone, Copy, Debug)]
+pub struct Native {
+    /// The WGSL function's name.
+    pub function: &'static str,
+    /// The path of the macro, expanded in the emitted module.
+    pub path: &'static str,
+}
+
 /// Translates a linked WGSL module, which has one compute entry point or none.
+///
+/// # Errors
+/// As [`translate_with`].
+pub fn translate(wgsl: &str) -> Result<Translation, TranslateError> {
+    translate_with(wgsl, &[])
+}
+
+/// As [`translate`], with functions that are written by hand; a name that the module lacks is none.
 ///
 /// # Errors
 /// [`TranslateError`], with the line in `wgsl`, if the module does not parse, is not valid, or uses
 /// what the CPU does not have (the crate's README names the supported subset).
-pub fn translate(wgsl: &str) -> Result<Translation, TranslateError> {
+pub fn translate_with(wgsl: &str, natives: &[Native]) -> Result<Translation, TranslateError> {
     let module = naga::front::wgsl::parse_str(wgsl).map_err(|error| TranslateError::parse(wgsl, &error))?;
     // What WGSL has without extensions; `pack2x16float` is an extension to naga alone.
     let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
         .validate(&module)
         .map_err(|error| TranslateError::validation(wgsl, &error))?;
-    module::translate(wgsl, &module, &info).map_err(|unsupported| unsupported.at(wgsl))
+    module::translate(wgsl, &module, &info, natives).map_err(|unsupported| unsupported.at(wgsl))
 }

@@ -11,7 +11,7 @@ use naga::{
 use crate::runtime::{self, BindingKind};
 
 use super::{
-    Translation,
+    Native, Translation,
     error::{Result, Unsupported},
     function::{Reach, entry_arguments, write_entry, write_function},
     literal,
@@ -22,7 +22,12 @@ use super::{
 };
 
 /// Translates a valid module.
-pub(super) fn translate(wgsl: &str, module: &Module, info: &ModuleInfo) -> Result<Translation> {
+pub(super) fn translate(
+    wgsl: &str,
+    module: &Module,
+    info: &ModuleInfo,
+    natives: &[Native],
+) -> Result<Translation> {
     if let Some((handle, _)) = module.overrides.iter().find(|(_, value)| value.init.is_none()) {
         let span = module.overrides.get_span(handle);
         return Err(Unsupported::new("a pipeline override without a default", span));
@@ -31,7 +36,7 @@ pub(super) fn translate(wgsl: &str, module: &Module, info: &ModuleInfo) -> Resul
     let writer = ModuleWriter::new(module, info, entry.as_ref());
     let bindings = writer.bindings()?;
     Ok(Translation {
-        rust: writer.write(&bindings, entry.as_ref())?,
+        rust: writer.write(&bindings, entry.as_ref(), natives)?,
         entry,
         bindings,
         structs: reflect::structs(module),
@@ -153,7 +158,12 @@ impl<'a> ModuleWriter<'a> {
         }))
     }
 
-    fn write(&self, bindings: &[BindingInfo], entry: Option<&EntryInfo>) -> Result<String> {
+    fn write(
+        &self,
+        bindings: &[BindingInfo],
+        entry: Option<&EntryInfo>,
+        natives: &[Native],
+    ) -> Result<String> {
         let mut parts = vec![
             "use ::wgsl_cpu::runtime::{self as rt, Mat, Vec2, Vec3, Vec4};\n".to_owned(),
             self.structs()?,
@@ -165,7 +175,9 @@ impl<'a> ModuleWriter<'a> {
         }
         parts.push(self.private()?);
         for &function in &self.functions {
-            parts.push(write_function(self.module, self.info, &self.names, function)?);
+            let name = self.module.functions[function].name.as_deref();
+            let native = natives.iter().find(|native| name == Some(native.function));
+            parts.push(write_function(self.module, self.info, &self.names, function, native)?);
         }
         if let Some(entry) = entry {
             parts.push(write_entry(self.module, self.info, &self.names)?);

@@ -1,10 +1,10 @@
 //! Traversal through placed meshes, on both devices, against every copied triangle tried in f64.
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use midway_accel::{BuildOptions, MESH_OPTIONS, Placement, TwoLevel, build};
+use midway_accel::{BuildOptions, Hierarchy, Level, MESH_OPTIONS, Placement, TwoLevel, Width};
 use midway_tests::estimate::{cpu, gpu};
 
-use super::traversal::{Triangle, check_packed, mesh, rays, slots};
+use super::traversal::{Triangle, check_packed, instance_slot, mesh, rays, slots};
 use crate::support::Random;
 
 /// Turned, scaled unevenly, moved, every other one mirrored.
@@ -24,12 +24,17 @@ fn placements(n: usize) -> Vec<Placement> {
 
 #[test]
 fn traversal_through_instances_finds_what_trying_all_copies_finds() {
+    [Width::Binary, Width::Wide].into_iter().for_each(check_width);
+}
+
+fn check_width(width: Width) {
     // The ball is placed; the box and the slivers around it are the world's own.
     let all = mesh();
     let (ball, world) = all.split_at(all.len() - 62);
     let n_ball = ball.len() as u32;
-    let bottom = build(ball, &MESH_OPTIONS).expect("built");
-    let top = TwoLevel::build(world, vec![bottom], placements(5), &BuildOptions::default()).expect("built");
+    let bottom = Level::build(width, ball, &[], &MESH_OPTIONS).expect("built");
+    let options = BuildOptions::default();
+    let top = TwoLevel::build(width, world, vec![bottom], placements(5), &options).expect("built");
     let mut copies: Vec<Triangle> = world.to_vec();
     let mut first_ids = Vec::new();
     for placement in &top.placements {
@@ -38,10 +43,15 @@ fn traversal_through_instances_finds_what_trying_all_copies_finds() {
         copies.extend(ball.iter().map(|t| t.map(place)));
     }
     assert_eq!(copies.len() as u32, world.len() as u32 + 5 * n_ball);
-    let packed = [slots(&top.world, world), slots(&top.meshes[0], ball)].concat();
+    let of_world = top.world.primitives().iter().flat_map(|&primitive| {
+        let placement = (primitive as usize).checked_sub(world.len());
+        let instance = placement.map(|placement| instance_slot(top.record(placement as u32)).to_vec());
+        instance.unwrap_or_else(|| slots(&[primitive], world))
+    });
+    let packed = [of_world.collect(), slots(top.meshes[0].primitives(), ball)].concat();
     let rays = rays(&copies, 2000);
     for device in [Some(cpu()), gpu()].into_iter().flatten() {
-        let n = check_packed(&*device, &top.nodes(&first_ids), packed.clone(), &copies, &rays);
+        let n = check_packed(&*device, width, &top.nodes(&first_ids), &packed, &copies, &rays);
         assert!(n >= 1900, "only {n} of {} rays decide", rays.len());
     }
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice;
 use glam::{DVec3, Vec3};
-use midway_accel::{BuildOptions, Bvh, build};
+use midway_accel::{BuildOptions, Width, build, build_wide};
 use midway_device::Device;
 use midway_kernels::{constants as k, native::lib};
 use midway_tests::estimate::{cpu, gpu};
@@ -71,13 +71,18 @@ fn try_all(triangles: &[Triangle], ray: &Ray) -> Option<Answer> {
 }
 
 /// The slots of a hierarchy's leaves, as kernels read them.
-pub fn slots(bvh: &Bvh, triangles: &[Triangle]) -> Vec<[u32; 4]> {
+pub fn slots(primitives: &[u32], triangles: &[Triangle]) -> Vec<[u32; 4]> {
     let slot = |&index: &u32| {
         let [a, b, c] = triangles[index as usize];
         let word4 = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
         [word4(a, index), word4(b - a, 0), word4(c - a, 0)]
     };
-    bvh.primitives.iter().flat_map(slot).collect()
+    primitives.iter().flat_map(slot).collect()
+}
+
+/// The slot of an instance whose record is at a place of the nodes.
+pub fn instance_slot(record: u32) -> [[u32; 4]; 3] {
+    [[0, 0, 0, record], [0, 0, 0, k::SLOT_INSTANCE], [0; 4]]
 }
 
 fn trace(device: &dyn Device, nodes: &[[u32; 4]], mut slots: Vec<[u32; 4]>, rays: &[Ray]) -> Vec<Answer> {
@@ -195,23 +200,32 @@ fn off_surface([a, b, c]: &Triangle, random: &mut Random) -> (Vec3, Vec3) {
 
 /// Every answer that rounding does not decide is the reference's; returns how many those were.
 fn check(device: &dyn Device, triangles: &[Triangle], options: &BuildOptions, rays: &[Ray]) -> usize {
-    let bvh = build(triangles, options).expect("built");
+    let bvh = build_wide(triangles, options).expect("built");
     bvh.validate(triangles).expect("valid");
-    check_packed(device, &bvh.nodes, slots(&bvh, triangles), triangles, rays)
+    let nodes: Vec<[u32; 4]> = bvh.nodes.iter().flat_map(|node| node.0).collect();
+    check_packed(device, Width::Wide, &nodes, &slots(&bvh.primitives, triangles), triangles, rays)
 }
 
 /// The same of nodes and slots as they are; `triangles`: all of the world's, by their ids.
 pub fn check_packed(
     device: &dyn Device,
+    width: Width,
     nodes: &[[u32; 4]],
-    slots: Vec<[u32; 4]>,
+    slots: &[[u32; 4]],
     triangles: &[Triangle],
     rays: &[Ray],
 ) -> usize {
-    let answers = trace(device, nodes, slots, rays);
+    let answers = match width {
+        Width::Binary => trace_by_bench(device, "binary", nodes, slots, rays),
+        Width::Wide => trace(device, nodes, slots.to_vec(), rays),
+    };
+    check_answers(device, &answers, triangles, rays)
+}
+
+fn check_answers(device: &dyn Device, answers: &[Answer], triangles: &[Triangle], rays: &[Ray]) -> usize {
     assert_eq!(answers.len(), rays.len());
     let mut n_decided = 0;
-    for (ray, actual) in rays.iter().zip(&answers) {
+    for (ray, actual) in rays.iter().zip(answers) {
         if let Some(expected) = try_all(triangles, ray) {
             n_decided += 1;
             let difference = difference(actual, &expected);
@@ -237,6 +251,50 @@ fn traversal_finds_what_trying_all_triangles_finds() {
             assert!(n as f64 >= 0.97 * rays.len() as f64, "only {n} of {} rays decide", rays.len());
         }
     }
+}
+
+/// The binary hierarchy, by both of its kernels.
+#[test]
+fn binary_traversal_finds_what_trying_all_triangles_finds() {
+    let triangles = mesh();
+    let rays = rays(&triangles, 2000);
+    for device in [Some(cpu()), gpu()].into_iter().flatten() {
+        for kind in ["binary", "speculative"] {
+            let bvh = build(&triangles, &BuildOptions::default()).expect("built");
+            let slots = slots(&bvh.primitives, &triangles);
+            let answers = trace_by_bench(&*device, kind, &bvh.nodes, &slots, &rays);
+            let n = check_answers(&*device, &answers, &triangles, &rays);
+            assert!(n as f64 >= 0.97 * rays.len() as f64, "only {n} of {} rays decide", rays.len());
+        }
+    }
+}
+
+fn trace_by_bench(
+    device: &dyn Device,
+    kind: &str,
+    nodes: &[[u32; 4]],
+    slots: &[[u32; 4]],
+    rays: &[Ray],
+) -> Vec<Answer> {
+    let run = |question: &str, t_max: fn(&Ray) -> f32| {
+        let input = |ray: &Ray| [ray.origin.extend(t_max(ray)), ray.direction.extend(0.0)];
+        let input: Vec<glam::Vec4> = rays.iter().flat_map(input).collect();
+        let zeros = vec![0u32; rays.len() * 4];
+        let buffers: [(&str, &[u8]); 4] = [
+            ("rays", cast_slice(&input)),
+            ("hits", cast_slice(&zeros)),
+            ("nodes", cast_slice(nodes)),
+            ("triangles", cast_slice(slots)),
+        ];
+        let kernel = format!("bench_{question}_{kind}");
+        device::run(device, &kernel, &buffers, rays.len() as u32)["hits"].clone()
+    };
+    let (closest, any) = (run("closest", |_| f32::MAX), run("any", |ray| ray.length));
+    let answer = |(closest, any): (&[u32], &[u32])| Answer {
+        hit: (closest[3] != k::NONE).then(|| (f64::from(f32::from_bits(closest[0])), closest[3])),
+        is_blocked: any[3] != k::NONE,
+    };
+    closest.chunks(4).zip(any.chunks(4)).map(answer).collect()
 }
 
 #[test]

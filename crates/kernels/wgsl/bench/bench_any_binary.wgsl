@@ -6,12 +6,12 @@
 #include "bindings/bench_rays.wgsl"
 
 @compute @workgroup_size(64)
-fn bench_any_bvh2(@builtin(global_invocation_id) id: vec3<u32>) {
+fn bench_any_binary(@builtin(global_invocation_id) id: vec3<u32>) {
     let index = ray_index(id);
     if (index >= arrayLength(&hits)) {
         return;
     }
     let ray = rays[index * BENCH_RAY_STRIDE];
     let direction = rays[index * BENCH_RAY_STRIDE + 1u].xyz;
-    store_any(index, any_hit(ray.xyz, direction, ray.w));
+    store_any(index, any_hit_binary(ray.xyz, direction, ray.w));
 }
