@@ -26,6 +26,22 @@ fn validated(name: &str, wgsl: &str) -> Result<(Module, ModuleInfo), String> {
     Ok((module, info))
 }
 
+/// Two features with one bit would be taken for each other.
+#[test]
+fn features_are_bits_of_their_own() {
+    let text = include_str!("../wgsl/lib/features.wgsl");
+    let values = text.lines().filter(|line| line.starts_with("const FEATURE_")).map(|line| {
+        let value = line.rsplit("= ").next().and_then(|value| value.strip_suffix("u;"));
+        value.and_then(|value| value.parse::<u32>().ok()).unwrap_or_else(|| panic!("{line}"))
+    });
+    let mut seen = 0;
+    for value in values {
+        assert!(value.is_power_of_two() && seen & value == 0, "{value}");
+        seen |= value;
+    }
+    assert_ne!(seen, 0);
+}
+
 /// All kernels with their modules.
 fn modules() -> Vec<(&'static wgsl_cpu::Kernel, Module, ModuleInfo)> {
     let parsed = KERNELS.iter().map(|kernel| {

@@ -99,7 +99,7 @@ impl PackedScene {
         scene.validate()?;
         let world = World::new(scene)?;
         let positions = world.baked_positions();
-        let hierarchy = hierarchy_of(device);
+        let hierarchy = hierarchy_of(device, scene);
         let two_level = world.build(&positions, hierarchy)?;
         let sphere = scene.bounds().sphere();
         let environment = EnvironmentMap::of(scene)?;
