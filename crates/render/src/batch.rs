@@ -138,6 +138,11 @@ impl LaneUses {
         }
     }
 
+    /// All that any integrator does.
+    pub fn all() -> Self {
+        Self { light: true, splat: true, camera: true, join: true }
+    }
+
     /// Light paths alone, for themselves.
     pub fn light_paths() -> Self {
         Self { light: true, splat: false, camera: false, join: None }

@@ -5,6 +5,7 @@ use std::{
         Arc,
         atomic::{AtomicBool, Ordering},
     },
+    thread,
     time::{Duration, Instant},
 };
 
@@ -179,6 +180,7 @@ impl Engine {
         let scene = Arc::new(scene);
         let mut left = Half::new(Renderer::new(Arc::clone(&device), &scene, &camera, settings.clone())?);
         left.renderer.stop_when(Arc::clone(&haste.stop));
+        thread::Builder::new().name("compile".into()).spawn(left.renderer.compile_ahead())?;
         let hold = Hold::new(hold_limits(&settings, hold_time));
         Ok(Self {
             device,

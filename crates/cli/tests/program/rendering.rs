@@ -153,6 +153,28 @@ fn layers_are_beside_the_picture_and_compare_reads_the_picture() {
 }
 
 #[test]
+fn groups_of_lights_are_layers_that_add_up() {
+    let sandbox = scene();
+    let flags = |groups| ["--spp", "4", "--background", "1,1,1", groups];
+    render(&sandbox, &flags("--light-groups=sky=environment,room=*"));
+    let read = read(&sandbox, "scene.exr");
+    let names: Vec<&str> = read.channels.iter().map(|channel| channel.name.as_str()).collect();
+    let layers = ["B", "G", "R"].map(|c| ["room", "sky"].map(|group| format!("Combined_{group}.{c}")));
+    assert_eq!(names.len(), 9);
+    assert!(layers.as_flattened().iter().all(|layer| names.contains(&layer.as_str())), "{names:?}");
+    for (pixel, rgb) in read.image().unwrap().pixels.iter().enumerate() {
+        let value = |group: &str| read.channel(&format!("Combined_{group}.G")).unwrap()[pixel];
+        assert!(value("room") > 0.0 || value("sky") > 0.0);
+        assert!((value("room") + value("sky") - rgb[1]).abs() <= 1e-6 * rgb[1]);
+    }
+    let refused = |groups| sandbox.expect(2, &[&SMALL[..], &[groups]].concat()).error().to_owned();
+    assert!(refused("--light-groups=key=moon").contains("no light is called 'moon'"));
+    sandbox.expect(2, &[&SMALL[..], &["--light-groups=moon"]].concat());
+    let png = [&SMALL[..], &["--light-groups", "-o", "a.png", "-o", "b.png"]].concat();
+    assert!(sandbox.expect(2, &png).error().contains("--light-groups"));
+}
+
+#[test]
 fn camera_and_filter_are_in_the_header() {
     let sandbox = scene();
     let camera = ["--eye", "0,0,4", "--target", "0,0,0", "--lens-radius", "0.1", "--ortho", "3"];

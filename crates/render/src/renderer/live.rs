@@ -10,7 +10,16 @@ use midway_kernels::constants as k;
 use midway_scene::{Camera, Scene};
 
 use super::{Kept, Renderer, make_film, n_light_paths, n_pixels};
-use crate::{Join, RenderError, RenderSettings, batch::LaneUses, pool::PoolSize, sizes::reserved_slots};
+use crate::{
+    Join, RenderError, RenderSettings,
+    batch::LaneUses,
+    buffers::Pipelines,
+    pool::{POOL_KERNELS, PoolSize},
+    sizes::reserved_slots,
+};
+
+/// Of layers, and of what is shown.
+const OTHER_KERNELS: [&str; 5] = ["resolve", "mix_groups", "encode_display", "trace_aov", "measure_variance"];
 
 impl Renderer {
     /// Looks through another camera; the next pass is the first again. `scene` is the one that the
@@ -77,6 +86,21 @@ impl Renderer {
     /// Ends a pass early, between two of its batches, when `stop` is set; it is unset then.
     pub fn stop_when(&mut self, stop: Arc<AtomicBool>) {
         self.kept.stop = stop;
+    }
+
+    /// What compiles all kernels that [`Renderer::set_settings`] may ask for with this scene, one after
+    /// another, to be called on a thread of its own: a change then does not wait for a compiler. One that
+    /// fails is left to whoever needs it.
+    pub fn compile_ahead(&self) -> impl FnOnce() + Send + 'static {
+        let (device, packed) = (Arc::clone(&self.device), &self.kept.packed);
+        let groups = (packed.light_groups.len() > 1).then_some(packed.features | k::FEATURE_LIGHT_GROUPS);
+        let features: Vec<u32> = std::iter::once(packed.features).chain(groups).collect();
+        move || {
+            for features in features {
+                let names = LaneUses::all().kernels().chain(POOL_KERNELS).chain(OTHER_KERNELS);
+                names.for_each(|name| drop(Pipelines::load(&*device, features, &[name])));
+            }
+        }
     }
 
     /// Another renderer of the same scene on the same device; they share the scene's memory.
