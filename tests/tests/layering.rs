@@ -33,7 +33,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 const RESERVED: &[(&str, &[&str])] = &[
     ("wgpu", &["device"]),
     ("naga", &["wgsl-cpu"]),
-    ("rayon", &["device", "import"]),
+    ("rayon", &["accel", "device", "import", "render"]),
     ("obvhs", &["accel"]),
     ("exr", &["film"]),
     ("png", &["film"]),
@@ -184,7 +184,7 @@ fn violations_are_found() {
     assert_eq!(found("film", "[dependencies]\ns = { path = \"../scene\", package = \"midway-scene\" }\n"), 1);
     assert_eq!(found("kernels", "[build-dependencies]\nmidway-device = { path = \"../device\" }\n"), 1);
     assert_eq!(found("kernels", "[target.'cfg(unix)'.dependencies]\nwgpu = \"30\"\n"), 1);
-    assert_eq!(found("accel", "[dev-dependencies]\nrayon.workspace = true\n"), 0);
+    assert_eq!(found("film", "[dev-dependencies]\nrayon.workspace = true\n"), 0);
     assert_eq!(found("unheard-of", ""), 1);
     assert_eq!(manifest("[features]\nwgpu = []\n[dependencies]\n# wgpu\n"), Dependencies::default());
 }

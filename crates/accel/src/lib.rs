@@ -34,8 +34,8 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 
+use rayon::prelude::*;
 use references::{Normalisation, Reference};
-use topology::Tree;
 
 pub use level::{Level, Width};
 pub use midway_scene::Bounds;
@@ -199,20 +199,21 @@ pub fn build_with_instances(
     options: &BuildOptions,
 ) -> Result<Bvh, AccelError> {
     let start = Instant::now();
-    let (references, _, tree) = collect_and_build(triangles, instances, options)?;
+    let (references, normalisation) = collect(triangles, instances, options)?;
+    let tree = topology::build(&references, triangles.len(), &normalisation, options);
     let mut bvh = pack::pack(&tree, &references, triangles.len());
     bvh.statistics.duplicated_references -= instances.len();
     bvh.statistics.build_time = start.elapsed();
     Ok(bvh)
 }
 
-/// The boxes a hierarchy is over, and its topology.
-fn collect_and_build(
+/// The boxes a hierarchy is over.
+fn collect(
     triangles: &[[Vec3; 3]],
     instances: &[Bounds],
     options: &BuildOptions,
-) -> Result<(Vec<Reference>, Normalisation, Tree), AccelError> {
-    if let Some(triangle) = triangles.iter().position(|t| !t.iter().all(|v| v.is_finite())) {
+) -> Result<(Vec<Reference>, Normalisation), AccelError> {
+    if let Some(triangle) = triangles.par_iter().position_first(|t| !t.iter().all(|v| v.is_finite())) {
         return Err(AccelError::NotFinite { triangle });
     }
     let normalisation = Normalisation::of(triangles, instances);
@@ -220,6 +221,5 @@ fn collect_and_build(
     if references.len() > MAX_REFERENCES {
         return Err(AccelError::TooManyTriangles { references: references.len() });
     }
-    let tree = topology::build(&references, triangles.len(), &normalisation, options);
-    Ok((references, normalisation, tree))
+    Ok((references, normalisation))
 }

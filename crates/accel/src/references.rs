@@ -3,6 +3,7 @@
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::{Boundable, aabb::Aabb, splits::split_aabbs_preset, triangle::Triangle};
+use rayon::prelude::*;
 
 use midway_scene::Bounds;
 
@@ -74,10 +75,11 @@ pub(crate) fn collect(
     let mut references = if spatial_splits && !triangles.is_empty() {
         split(triangles, normalisation)
     } else {
-        (0u32..)
-            .zip(triangles)
-            .map(|(primitive, vertices)| Reference { primitive, bounds: padded(Bounds::of_points(vertices)) })
-            .collect()
+        let reference = |(triangle, vertices): (usize, &[Vec3; 3])| Reference {
+            primitive: triangle as u32,
+            bounds: padded(Bounds::of_points(vertices)),
+        };
+        triangles.par_iter().enumerate().map(reference).collect()
     };
     let first = triangles.len() as u32;
     references.extend(
@@ -88,14 +90,14 @@ pub(crate) fn collect(
 
 fn split(triangles: &[[Vec3; 3]], normalisation: &Normalisation) -> Vec<Reference> {
     let normalised: Vec<Triangle> = triangles
-        .iter()
+        .par_iter()
         .map(|&[a, b, c]| Triangle {
             v0: normalisation.point(a),
             v1: normalisation.point(b),
             v2: normalisation.point(c),
         })
         .collect();
-    let mut boxes: Vec<Aabb> = normalised.iter().map(Boundable::aabb).collect();
+    let mut boxes: Vec<Aabb> = normalised.par_iter().map(Boundable::aabb).collect();
     let mut owners: Vec<u32> = (0..triangles.len() as u32).collect();
     let (sum, largest) = boxes.iter().fold((0.0f64, 0.0f32), |(sum, largest), b| {
         let area = b.half_area();
@@ -109,7 +111,7 @@ fn split(triangles: &[[Vec3; 3]], normalisation: &Normalisation) -> Vec<Referenc
         n_pieces[owner as usize] += 1;
     }
     owners
-        .iter()
+        .par_iter()
         .zip(&boxes)
         .map(|(&triangle, clipped)| {
             let whole = padded(Bounds::of_points(&triangles[triangle as usize]));

@@ -8,6 +8,7 @@ use obvhs::{
     bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer},
     ploc::PlocBuilder,
 };
+use rayon::prelude::*;
 
 use crate::{
     BALANCED_DEPTH, BuildOptions, MAX_LEAF_SIZE, Quality, STACK_SIZE,
@@ -48,7 +49,7 @@ impl Limits {
         let any = references.last().is_some_and(is_instance);
         Self {
             max_leaf_size: options.max_leaf_size.clamp(1, MAX_LEAF_SIZE),
-            max_depth: options.max_depth.clamp(BALANCED_DEPTH, STACK_SIZE - 1),
+            max_depth: max_depth(options),
             is_alone: if any { references.iter().map(is_instance).collect() } else { Vec::new() },
         }
     }
@@ -59,10 +60,34 @@ impl Limits {
     }
 }
 
+fn max_depth(options: &BuildOptions) -> usize {
+    options.max_depth.clamp(BALANCED_DEPTH, STACK_SIZE - 1)
+}
+
 #[derive(Clone, Copy)]
 pub(crate) enum TreeNode {
     Inner { left: usize, right: usize },
     Leaf { first: usize, count: usize },
+}
+
+fn boxes(references: &[Reference], normalisation: &Normalisation) -> Vec<Aabb> {
+    references.par_iter().map(|r| normalisation.bounds(&r.bounds)).collect()
+}
+
+/// A tree whose leaves hold one reference each, as `obvhs` made it; none where there is nothing, or where
+/// [`build`] has to have a hand in it.
+pub(crate) fn build_singles(
+    references: &[Reference],
+    normalisation: &Normalisation,
+    options: &BuildOptions,
+) -> Option<Bvh2> {
+    let boxes = boxes(references, normalisation);
+    if boxes.is_empty() || Clusters::of(&boxes).is_some() {
+        return None;
+    }
+    let bvh = build_obvhs(&boxes, options.quality, 1);
+    let levels = depth(bvh.nodes.len(), 0, |i| children(&bvh, i));
+    (levels <= max_depth(options)).then_some(bvh)
 }
 
 pub(crate) fn build(
@@ -71,7 +96,7 @@ pub(crate) fn build(
     normalisation: &Normalisation,
     options: &BuildOptions,
 ) -> Tree {
-    let boxes: Vec<Aabb> = references.iter().map(|r| normalisation.bounds(&r.bounds)).collect();
+    let boxes = boxes(references, normalisation);
     let limits = Limits::of(references, n_triangles, options);
     if let Some(tree) = Tree::optimised(&boxes, options.quality, limits.clone()) {
         return tree;
@@ -197,6 +222,9 @@ fn build_obvhs(boxes: &[Aabb], quality: Quality, max_leaf_size: usize) -> Bvh2 {
     let ratio = preset.reinsertion_batch_ratio;
     let mut reinsertion = ReinsertionOptimizer::default();
     reinsertion.run(&mut bvh, ratio, None);
+    if max_leaf_size == 1 {
+        return bvh;
+    }
     collapse(&mut bvh, max_leaf_size as u32, COLLAPSE_TRAVERSAL_COST);
     let after = ratio * preset.post_collapse_reinsertion_batch_ratio_multiplier;
     reinsertion.run(&mut bvh, after, None);
@@ -219,9 +247,10 @@ fn crowded(boxes: &[Aabb]) -> Vec<usize> {
         let mixed = (mixed ^ (mixed >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         (mixed >> 32) as usize & (n_buckets - 1)
     };
+    let buckets: Vec<u32> = boxes.par_iter().map(|b| bucket(b) as u32).collect();
     let mut counts = vec![0u32; n_buckets];
-    boxes.iter().for_each(|b| counts[bucket(b)] += 1);
-    (0..boxes.len()).filter(|&i| counts[bucket(&boxes[i])] >= MIN_CLUSTER_SIZE).collect()
+    buckets.iter().for_each(|&bucket| counts[bucket as usize] += 1);
+    (0..boxes.len()).filter(|&i| counts[buckets[i] as usize] >= MIN_CLUSTER_SIZE).collect()
 }
 
 /// Many references with exactly the same centre, taken as one: PLOC pairs a run of equal costs one

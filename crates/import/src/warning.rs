@@ -86,6 +86,20 @@ impl Warnings {
         self.list[index].count += 1;
     }
 
+    /// Adds those of another, after its own.
+    pub fn append(&mut self, others: Self) {
+        for warning in others.list {
+            let key = (warning.kind, warning.message.clone());
+            let next = self.list.len();
+            let index = *self.known.entry(key).or_insert(next);
+            if index == next {
+                self.list.push(warning);
+            } else {
+                self.list[index].count += warning.count;
+            }
+        }
+    }
+
     /// Like [`Warnings::add`], but never one with others: each place counts.
     pub fn add_apart(&mut self, kind: WarningKind, place: impl Into<String>, message: impl Into<String>) {
         self.list.push(Warning { kind, place: place.into(), count: 1, message: message.into() });

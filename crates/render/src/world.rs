@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat3, Vec3};
 use midway_accel::{BuildOptions, Hit, Level, MAX_REFERENCES, MESH_OPTIONS, Placement, TwoLevel, Width};
 use midway_device::DeviceKind;
 use midway_scene::{Bounds, PlacedMesh, Scene, WorldTriangle};
+use rayon::prelude::*;
 
 use crate::RenderError;
 
@@ -130,7 +131,7 @@ impl<'a> World<'a> {
     pub fn baked_positions(&self) -> Vec<[Vec3; 3]> {
         let mut positions = Vec::with_capacity(self.n_baked as usize);
         for placed in self.baked() {
-            positions.extend((0..placed.n_triangles()).map(|t| placed.positions(t)));
+            positions.par_extend((0..placed.n_triangles()).into_par_iter().map(|t| placed.positions(t)));
         }
         positions
     }
@@ -165,7 +166,8 @@ impl<'a> World<'a> {
     pub fn build(&self, positions: &[[Vec3; 3]], width: Width) -> Result<TwoLevel, RenderError> {
         let bottom = |&mesh: &u32| {
             let alone = self.scene.mesh_alone(mesh);
-            let triangles: Vec<[Vec3; 3]> = (0..alone.n_triangles()).map(|t| alone.positions(t)).collect();
+            let triangles: Vec<[Vec3; 3]> =
+                (0..alone.n_triangles()).into_par_iter().map(|t| alone.positions(t)).collect();
             Level::build(width, &triangles, &[], &MESH_OPTIONS)
         };
         let meshes = self.meshes.iter().map(bottom).collect::<Result<Vec<_>, _>>()?;

@@ -15,13 +15,14 @@ use midway_scene::Bounds;
 use obvhs::{
     aabb::Aabb,
     bvh2::{Bvh2, node::Bvh2Node},
-    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh},
+    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh, node::CwBvhNode},
 };
+use rayon::prelude::*;
 
 use crate::{
     AccelError, BuildOptions, Child, Statistics,
     references::{Normalisation, Reference},
-    topology::{Tree, TreeNode},
+    topology::{self, Tree, TreeNode},
 };
 
 pub use node::WideNode;
@@ -77,14 +78,19 @@ pub fn build_wide_with_instances(
     let max_leaf_size = options.max_leaf_size.clamp(1, MAX_WIDE_LEAF);
     // A wide leaf is gathered from binary ones that hold one reference each.
     let binary = BuildOptions { max_leaf_size: 1, ..*options };
-    let (references, normalisation, tree) = crate::collect_and_build(triangles, instances, &binary)?;
-    let wide = to_obvhs(&tree, &references, &normalisation)
-        .map_or_else(CwBvh::default, |bvh| bvh2_to_cwbvh(&bvh, max_leaf_size as u32, true, false));
+    let (references, normalisation) = crate::collect(triangles, instances, &binary)?;
+    let mut balanced_fallback = false;
+    let bvh = topology::build_singles(&references, &normalisation, &binary).or_else(|| {
+        let tree = topology::build(&references, triangles.len(), &normalisation, &binary);
+        balanced_fallback = tree.balanced_fallback;
+        to_obvhs(&tree, &references, &normalisation)
+    });
+    let wide = bvh.map_or_else(CwBvh::default, |bvh| bvh2_to_cwbvh(&bvh, max_leaf_size as u32, true, false));
     let mut wide = pack(&wide, &references);
     wide.statistics = Statistics {
         triangles: triangles.len(),
         duplicated_references: wide.primitives.len().saturating_sub(triangles.len() + instances.len()),
-        balanced_fallback: tree.balanced_fallback,
+        balanced_fallback,
         build_time: start.elapsed(),
         ..wide.statistics
     };
@@ -126,44 +132,53 @@ fn tree_is_inner(tree: &Tree, node: usize) -> bool {
 
 /// Takes over a topology, with boxes of our own. Primitives of `wide` are references.
 fn pack(wide: &CwBvh, references: &[Reference]) -> WideBvh {
-    let mut bounds = vec![Bounds::EMPTY; wide.nodes.len()];
-    let mut depths = vec![1; wide.nodes.len()];
-    let mut nodes = vec![WideNode::EMPTY; wide.nodes.len().max(1)];
-    let mut statistics = Statistics { inner_nodes: nodes.len(), ..Statistics::default() };
+    let n_nodes = wide.nodes.len();
+    let (mut bounds, mut depths) = (vec![Bounds::EMPTY; n_nodes], vec![1; n_nodes]);
+    let leaf = |source: &CwBvhNode, slot: usize| {
+        let (first, count) = source.child_primitives(slot);
+        let members = &wide.primitive_indices[first as usize..(first + count) as usize];
+        let around = |all: Bounds, &member: &u32| all.union(references[member as usize].bounds);
+        (members.iter().fold(Bounds::EMPTY, around), Child::Leaf { first, count })
+    };
+    let children = |source: &CwBvhNode, bounds: &[Bounds]| -> [Option<(Bounds, Child)>; 8] {
+        std::array::from_fn(|slot| {
+            (!source.is_child_empty(slot)).then(|| {
+                if source.is_leaf(slot) {
+                    return leaf(source, slot);
+                }
+                let node = source.child_node_index(slot);
+                (bounds[node as usize], Child::Inner(node))
+            })
+        })
+    };
+    let mut statistics = Statistics { inner_nodes: n_nodes.max(1), ..Statistics::default() };
     let mut area_cost = 0.0;
     // Children come after their parents.
     for (index, source) in wide.nodes.iter().enumerate().rev() {
-        let mut children = [None; 8];
-        for (slot, child) in children.iter_mut().enumerate() {
-            if source.is_child_empty(slot) {
-                continue;
-            }
-            if source.is_leaf(slot) {
-                let (first, count) = source.child_primitives(slot);
-                let members = &wide.primitive_indices[first as usize..(first + count) as usize];
-                let around = members
-                    .iter()
-                    .fold(Bounds::EMPTY, |all, &member| all.union(references[member as usize].bounds));
-                statistics.leaves += 1;
-                area_cost += around.half_area() * f64::from(count);
-                *child = Some((around, Child::Leaf { first, count }));
-            } else {
-                let node = source.child_node_index(slot);
-                depths[index] = depths[index].max(1 + depths[node as usize]);
-                *child = Some((bounds[node as usize], Child::Inner(node)));
+        let mut all = Bounds::EMPTY;
+        for (around, child) in children(source, &bounds).into_iter().flatten() {
+            all = all.union(around);
+            match child {
+                Child::Inner(node) => depths[index] = depths[index].max(1 + depths[node as usize]),
+                Child::Leaf { count, .. } => {
+                    statistics.leaves += 1;
+                    area_cost += around.half_area() * f64::from(count);
+                }
             }
         }
-        bounds[index] = children.iter().flatten().fold(Bounds::EMPTY, |all, child| all.union(child.0));
-        area_cost += bounds[index].half_area();
-        nodes[index] = WideNode::new(&bounds[index], &children);
+        area_cost += all.half_area();
+        bounds[index] = all;
     }
+    let packed = |(source, around): (&CwBvhNode, &Bounds)| WideNode::new(around, &children(source, &bounds));
+    let mut nodes: Vec<WideNode> = wide.nodes.par_iter().zip(&bounds).map(packed).collect();
+    nodes.resize(n_nodes.max(1), WideNode::EMPTY);
     let root = bounds.first().copied().unwrap_or(Bounds::EMPTY);
     if root.half_area() > 0.0 {
         statistics.sah_cost = (area_cost / root.half_area()) as f32;
     }
     WideBvh {
         nodes,
-        primitives: wide.primitive_indices.iter().map(|&r| references[r as usize].primitive).collect(),
+        primitives: wide.primitive_indices.par_iter().map(|&r| references[r as usize].primitive).collect(),
         max_depth: depths.first().copied().unwrap_or(1),
         bounds: root,
         statistics,

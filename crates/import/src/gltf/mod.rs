@@ -80,8 +80,13 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
     let mut textures = Textures::new(&root, &buffers, &folder, bytes.len() as u64)?;
     let mut materials = materials::read_all(&root, &mut textures, warnings)?;
     let mut meshes = Meshes::new(&root, accessors, materials.len())?;
-    let placed = nodes::walk(&root, &mut meshes, warnings)?;
+    // Images are all known by now, and nothing else needs them.
+    let mut of_images = Warnings::default();
+    let (placed, images) =
+        rayon::join(|| nodes::walk(&root, &mut meshes, warnings), || textures.into_images(&mut of_images));
+    let placed = placed?;
     unused::warn(&root, warnings)?;
+    warnings.append(of_images);
     if meshes.uses_default_material() {
         materials.push(default_material());
     }
@@ -90,7 +95,7 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
         meshes: meshes.into_list(),
         instances: placed.instances,
         materials,
-        images: textures.into_images(warnings),
+        images,
         lights: placed.lights,
         environment: None,
         environment_group: None,

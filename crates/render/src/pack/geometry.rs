@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use midway_accel::{Hierarchy, TwoLevel};
 use midway_kernels::constants as k;
 use midway_scene::{Mesh, Opacity, PlacedMesh, WorldTriangle};
+use rayon::prelude::*;
 
 use super::{Word4, normals::oct_encode, slots::is_absent, word4};
 use crate::{
@@ -91,16 +92,28 @@ struct Packer {
 
 impl Packer {
     fn mesh(&mut self, placed: &PlacedMesh<'_>, words: &mut Vec<Word4>) {
-        let kinds = attribute_kinds(placed.mesh());
-        for index in 0..placed.n_triangles() {
-            let triangle = placed.triangle(index);
-            let attributes_at =
-                kinds.map_or(k::NONE, |_| (self.attributes_at + self.attributes.len()) as u32);
-            words.extend(pack_surface(&triangle, attributes_at));
-            if let Some(kinds) = kinds {
-                pack_attributes(&triangle, kinds, &mut self.attributes);
-            }
-        }
+        let n_triangles = placed.n_triangles() as usize;
+        let first = words.len();
+        words.resize(first + n_triangles * k::SURFACE_STRIDE as usize, Word4::default());
+        let surfaces = words[first..].par_chunks_exact_mut(k::SURFACE_STRIDE as usize);
+        let triangles = (0..placed.n_triangles()).into_par_iter().map(|index| placed.triangle(index));
+        let Some(kinds) = attribute_kinds(placed.mesh()) else {
+            surfaces.zip(triangles).for_each(|(surface, triangle)| {
+                surface.copy_from_slice(&pack_surface(&triangle, k::NONE));
+            });
+            return;
+        };
+        let (first, stride) = (self.attributes.len(), attributes_stride(kinds));
+        let first_at = self.attributes_at + first;
+        self.attributes.resize(first + n_triangles * stride, Word4::default());
+        let attributes = self.attributes[first..].par_chunks_exact_mut(stride);
+        surfaces.zip(attributes).zip(triangles).enumerate().for_each(
+            |(index, ((surface, own), triangle))| {
+                let attributes_at = (first_at + index * stride) as u32;
+                surface.copy_from_slice(&pack_surface(&triangle, attributes_at));
+                pack_attributes(&triangle, kinds, own);
+            },
+        );
     }
 }
 
@@ -133,21 +146,34 @@ fn attribute_kinds(mesh: &Mesh) -> Option<u32> {
     (kinds != 0 || !mesh.uvs[0].is_empty()).then_some(kinds)
 }
 
-fn pack_attributes(triangle: &WorldTriangle, kinds: u32, words: &mut Vec<Word4>) {
-    let [first, second] = triangle.uvs;
-    words.extend(pack_uvs(first, kinds));
+/// How many vec4 the attributes of a triangle take.
+fn attributes_stride(kinds: u32) -> usize {
+    let set = [(k::ATTRIBUTE_UV1, 2), (k::ATTRIBUTE_COLORS, 2), (k::ATTRIBUTE_TANGENTS, 1)];
+    2 + set.iter().filter(|(kind, _)| kinds & kind != 0).map(|(_, n)| n).sum::<usize>()
+}
+
+/// Fills `words`, [`attributes_stride`] of them.
+fn pack_attributes(triangle: &WorldTriangle, kinds: u32, words: &mut [Word4]) {
+    let (first, mut rest) = words.split_at_mut(2);
+    let [uvs, second_uvs] = triangle.uvs;
+    first.copy_from_slice(&pack_uvs(uvs, kinds));
+    let mut next = |own: &[Word4]| {
+        let (place, others) = std::mem::take(&mut rest).split_at_mut(own.len());
+        place.copy_from_slice(own);
+        rest = others;
+    };
     if kinds & k::ATTRIBUTE_UV1 != 0 {
-        words.extend(pack_uvs(second, 0));
+        next(&pack_uvs(second_uvs, 0));
     }
     if kinds & k::ATTRIBUTE_COLORS != 0 {
         let [[a, b], [c, d], [e, f]] = triangle.colors.unwrap_or([Vec4::ONE; 3]).map(pack_color);
-        words.extend([[a, b, c, d], [e, f, 0, 0]]);
+        next(&[[a, b, c, d], [e, f, 0, 0]]);
     }
     if kinds & k::ATTRIBUTE_TANGENTS != 0 {
         let tangents = triangle.tangents.unwrap_or([Vec4::X; 3]);
         let [a, b, c] = tangents.map(|t| oct_encode(t.truncate().normalize_or(Vec3::X)));
         // A triangle whose corners disagree is cut by a seam: no sign is right for all of it.
-        words.push([a, b, c, tangents[0].w.signum().to_bits()]);
+        next(&[[a, b, c, tangents[0].w.signum().to_bits()]]);
     }
 }
 
