@@ -138,9 +138,11 @@ impl LaneUses {
         }
     }
 
-    /// All that any integrator does.
-    pub fn all() -> Self {
-        Self { light: true, splat: true, camera: true, join: true }
+    /// The kernels that any integrator needs.
+    pub fn all_kernels() -> impl Iterator<Item = &'static str> {
+        Self { light: true, splat: true, camera: true, join: Some("connect") }
+            .kernels()
+            .chain(["connect_ends"])
     }
 
     /// Light paths alone, for themselves.

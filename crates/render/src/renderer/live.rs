@@ -97,7 +97,7 @@ impl Renderer {
         let features: Vec<u32> = std::iter::once(packed.features).chain(groups).collect();
         move || {
             for features in features {
-                let names = LaneUses::all().kernels().chain(POOL_KERNELS).chain(OTHER_KERNELS);
+                let names = LaneUses::all_kernels().chain(POOL_KERNELS).chain(OTHER_KERNELS);
                 names.for_each(|name| drop(Pipelines::load(&*device, features, &[name])));
             }
         }
