@@ -31,7 +31,7 @@ fn read(sandbox: &Sandbox, name: &str) -> ExrFile {
 #[test]
 fn both_files_are_written_and_the_header_tells_all() {
     let sandbox = scene();
-    let run = render(&sandbox, &["--spp", "4", "--seed", "9"]);
+    let run = render(&sandbox, &["-i", "path", "--spp", "4", "--seed", "9"]);
     assert!(
         run.stderr.contains("device: cpu") && run.stderr.contains("stopped: all samples"),
         "{}",
@@ -108,6 +108,21 @@ fn json_progress_is_one_object_a_line() {
     assert_eq!(events[events.len() - 1]["stopped_by"], "samples");
 }
 
+/// The default says what it chose, and chooses the same for a part of the image.
+#[test]
+fn auto_is_the_default_and_tells_its_choice() {
+    let sandbox = scene();
+    let run = render(&sandbox, &["--spp", "4"]);
+    assert!(run.stderr.contains("auto, error for the same work: "), "{}", run.stderr);
+    let whole = read(&sandbox, "scene.exr").metadata;
+    assert!(whole.text("auto").unwrap().contains(" 1.00, "));
+    render(&sandbox, &["--spp", "4", "--seed", "3", "--crop", "5,3,10,7"]);
+    let part = read(&sandbox, "scene.exr").metadata;
+    for key in ["auto", "integrator"] {
+        assert_eq!(whole.text(key), part.text(key));
+    }
+}
+
 #[test]
 fn time_stops_too_and_is_named() {
     let sandbox = scene();
@@ -121,8 +136,8 @@ fn time_stops_too_and_is_named() {
 #[test]
 fn a_crop_is_that_part_of_the_image() {
     let sandbox = scene();
-    render(&sandbox, &["--spp", "8", "-o", "whole.exr"]);
-    render(&sandbox, &["--spp", "8", "-o", "part.exr", "--crop", "5,3,10,7"]);
+    render(&sandbox, &["-i", "path", "--spp", "8", "-o", "whole.exr"]);
+    render(&sandbox, &["-i", "path", "--spp", "8", "-o", "part.exr", "--crop", "5,3,10,7"]);
     let part = read(&sandbox, "part.exr");
     assert_eq!(part.framing, Some(Framing { frame: [24, 16], offset: [5, 3] }));
     let whole = read(&sandbox, "whole.exr").image().unwrap();
@@ -155,7 +170,7 @@ fn layers_are_beside_the_picture_and_compare_reads_the_picture() {
 #[test]
 fn groups_of_lights_are_layers_that_add_up() {
     let sandbox = scene();
-    let flags = |groups| ["--spp", "4", "--background", "1,1,1", groups];
+    let flags = |groups| ["-i", "path", "--spp", "4", "--background", "1,1,1", groups];
     render(&sandbox, &flags("--light-groups=sky=environment,room=*"));
     let read = read(&sandbox, "scene.exr");
     let names: Vec<&str> = read.channels.iter().map(|channel| channel.name.as_str()).collect();

@@ -47,8 +47,10 @@ impl Sandbox {
         self.write("scene.mtl", "newmtl light\nKe 4 3 2\nKd 0 0 0\nnewmtl wall\nKd 0.5 0.5 0.5\n");
         let wall = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n";
         let light = "v -1 1 0\nv 1 1 0\nv 1 1.5 0.5\nv -1 1.5 0.5\n";
-        let faces = "usemtl wall\nf 1 2 3 4\nusemtl light\nf 5 6 7 8\nf 8 7 6 5\n";
-        self.write("scene.obj", format!("mtllib scene.mtl\n{wall}{light}{faces}"));
+        // Apart: of two faces in one place either may be hit.
+        let back = "v -1 1.01 -0.01\nv 1 1.01 -0.01\nv 1 1.51 0.49\nv -1 1.51 0.49\n";
+        let faces = "usemtl wall\nf 1 2 3 4\nusemtl light\nf 5 6 7 8\nf 12 11 10 9\n";
+        self.write("scene.obj", format!("mtllib scene.mtl\n{wall}{light}{back}{faces}"));
     }
 
     pub fn command(&self, arguments: &[&str]) -> Command {
