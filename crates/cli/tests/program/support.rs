@@ -48,7 +48,7 @@ impl Sandbox {
         let wall = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n";
         let light = "v -1 1 0\nv 1 1 0\nv 1 1.5 0.5\nv -1 1.5 0.5\n";
         // Apart: of two faces in one place either may be hit.
-        let back = "v -1 1.01 -0.01\nv 1 1.01 -0.01\nv 1 1.51 0.49\nv -1 1.51 0.49\n";
+        let back = "v -1 1 -0.02\nv 1 1 -0.02\nv 1 1.5 0.48\nv -1 1.5 0.48\n";
         let faces = "usemtl wall\nf 1 2 3 4\nusemtl light\nf 5 6 7 8\nf 12 11 10 9\n";
         self.write("scene.obj", format!("mtllib scene.mtl\n{wall}{light}{back}{faces}"));
     }
