@@ -22,6 +22,7 @@
 
 mod bounds;
 mod level;
+mod met;
 mod pack;
 mod references;
 mod topology;

@@ -3,7 +3,10 @@
 use glam::Vec3;
 use midway_scene::Bounds;
 
-use crate::{AccelError, Bvh, Child, MAX_LEAF_SIZE, STACK_SIZE};
+use crate::{
+    AccelError, Bvh, Child, MAX_LEAF_SIZE, STACK_SIZE,
+    met::{Met, invalid},
+};
 
 impl Bvh {
     /// Checks that every node and slot is reached exactly once, that every triangle is in a leaf,
@@ -35,43 +38,29 @@ impl Bvh {
         }
         let mut walk = Walk {
             bvh: self,
-            triangles,
-            instances,
-            instances_seen: vec![false; instances.len()],
-            nodes_seen: vec![false; self.nodes.len() / 4],
-            slots_seen: vec![false; self.primitives.len()],
+            met: Met::new(self.nodes.len() / 4, self.primitives.len(), triangles, instances),
             leaf_boxes: vec![Bounds::EMPTY; triangles.len()],
-            corners_held: vec![0; triangles.len()],
         };
         walk.node(0, &self.bounds, 1)?;
-        walk.finish()
+        walk.met.finish()?;
+        let outside = |(triangle, held): (&[Vec3; 3], &Bounds)| !held.contains(&Bounds::of_points(triangle));
+        match triangles.iter().zip(&walk.leaf_boxes).position(outside) {
+            Some(triangle) => invalid(format!("triangle {triangle} is not within the leaves that hold it")),
+            None => Ok(()),
+        }
     }
-}
-
-fn invalid<T>(what: String) -> Result<T, AccelError> {
-    Err(AccelError::Invalid(what))
 }
 
 struct Walk<'a> {
     bvh: &'a Bvh,
-    triangles: &'a [[Vec3; 3]],
-    instances: &'a [Bounds],
-    instances_seen: Vec<bool>,
-    nodes_seen: Vec<bool>,
-    slots_seen: Vec<bool>,
+    met: Met<'a>,
     /// Around all leaves that hold a triangle.
     leaf_boxes: Vec<Bounds>,
-    /// Bits 0, 1, 2: vertices; bit 3: the centroid, within some leaf that holds the triangle.
-    corners_held: Vec<u8>,
 }
 
 impl Walk<'_> {
     fn node(&mut self, node: u32, bounds: &Bounds, depth: usize) -> Result<(), AccelError> {
-        match self.nodes_seen.get_mut(node as usize) {
-            None => return invalid(format!("node {node} does not exist")),
-            Some(true) => return invalid(format!("node {node} is reached twice")),
-            Some(seen) => *seen = true,
-        }
+        self.met.node(node)?;
         if depth > self.bvh.max_depth {
             return invalid(format!(
                 "node {node} lies at depth {depth}, below max_depth {}",
@@ -91,56 +80,15 @@ impl Walk<'_> {
     }
 
     fn leaf(&mut self, first: u32, count: u32, bounds: &Bounds) -> Result<(), AccelError> {
-        let slots = first as usize..first as usize + count as usize;
-        if slots.end > self.slots_seen.len() {
-            return invalid(format!("leaf slots {slots:?} do not exist"));
-        }
+        let slots = self.met.slots(first, count)?;
         if slots.len() > MAX_LEAF_SIZE || (slots.is_empty() && !bounds.is_empty()) {
             return invalid(format!("leaf at slot {first} has {count} and an unfit box"));
         }
         for slot in slots {
-            if std::mem::replace(&mut self.slots_seen[slot], true) {
-                return invalid(format!("slot {slot} is reached twice"));
-            }
-            let triangle = self.bvh.primitives[slot] as usize;
-            let Some(&[a, b, c]) = self.triangles.get(triangle) else {
-                self.instance(triangle - self.triangles.len(), bounds)?;
-                continue;
-            };
-            self.leaf_boxes[triangle] = self.leaf_boxes[triangle].union(*bounds);
-            for (bit, point) in [a, b, c, a / 3.0 + b / 3.0 + c / 3.0].into_iter().enumerate() {
-                self.corners_held[triangle] |= u8::from(bounds.contains_point(point)) << bit;
-            }
-        }
-        Ok(())
-    }
-
-    fn instance(&mut self, instance: usize, bounds: &Bounds) -> Result<(), AccelError> {
-        match self.instances_seen.get_mut(instance) {
-            None => return invalid(format!("instance {instance} does not exist")),
-            Some(true) => return invalid(format!("instance {instance} is reached twice")),
-            Some(seen) => *seen = true,
-        }
-        if !bounds.contains(&self.instances[instance]) {
-            return invalid(format!("instance {instance} is not within its boxes"));
-        }
-        Ok(())
-    }
-
-    fn finish(&self) -> Result<(), AccelError> {
-        if let Some(node) = self.nodes_seen.iter().position(|seen| !seen) {
-            return invalid(format!("node {node} cannot be reached"));
-        }
-        if let Some(slot) = self.slots_seen.iter().position(|seen| !seen) {
-            return invalid(format!("slot {slot} cannot be reached"));
-        }
-        if let Some(instance) = self.instances_seen.iter().position(|seen| !seen) {
-            return invalid(format!("instance {instance} cannot be reached"));
-        }
-        for (i, vertices) in self.triangles.iter().enumerate() {
-            let whole = Bounds::of_points(vertices);
-            if !self.leaf_boxes[i].contains(&whole) || self.corners_held[i] != 0b1111 {
-                return invalid(format!("triangle {i} is not within the leaves that hold it"));
+            let primitive = self.bvh.primitives[slot] as usize;
+            self.met.primitive(primitive, bounds)?;
+            if let Some(held) = self.leaf_boxes.get_mut(primitive) {
+                *held = held.union(*bounds);
             }
         }
         Ok(())

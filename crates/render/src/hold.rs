@@ -240,15 +240,7 @@ mod tests {
 
     /// Frames of a machine whose sample costs `a` and whose join costs `b` seconds, with 5 % noise.
     fn play(hold: &mut Hold, n: usize, a: f64, b: f64) -> Vec<(Load, f64)> {
-        (0..n)
-            .map(|i| {
-                let load = hold.load();
-                let noise = 1.0 + 0.05 * ((i as f64 * 12.9898).sin() * 43_758.547).fract();
-                let seconds = load.size() * (a + b * f64::from(load.k)) * noise;
-                hold.observe(load, Duration::from_secs_f64(seconds));
-                (load, seconds)
-            })
-            .collect()
+        play_fixed(hold, n, 0.0, a, b)
     }
 
     /// The same with `c` seconds for any frame.

@@ -4,7 +4,10 @@ use glam::Vec3;
 use midway_scene::Bounds;
 
 use super::WideBvh;
-use crate::{AccelError, Child, STACK_SIZE};
+use crate::{
+    AccelError, Child, STACK_SIZE,
+    met::{Met, invalid},
+};
 
 impl WideBvh {
     /// Checks that every node and slot is reached exactly once, that every triangle is in a leaf, that
@@ -31,55 +34,22 @@ impl WideBvh {
         if self.nodes.is_empty() || self.max_depth >= STACK_SIZE {
             return invalid(format!("depth {} needs a larger stack", self.max_depth));
         }
-        let mut walk = Walk {
-            bvh: self,
-            triangles,
-            instances,
-            instances_seen: vec![false; instances.len()],
-            nodes_seen: vec![false; self.nodes.len()],
-            slots_seen: vec![false; self.primitives.len()],
-            corners_held: vec![0; triangles.len()],
-        };
+        let met = Met::new(self.nodes.len(), self.primitives.len(), triangles, instances);
+        let mut walk = Walk { bvh: self, met };
         walk.node(0, &self.bounds, 1)?;
-        if let Some(node) = walk.nodes_seen.iter().position(|seen| !seen) {
-            return invalid(format!("node {node} cannot be reached"));
-        }
-        if let Some(slot) = walk.slots_seen.iter().position(|seen| !seen) {
-            return invalid(format!("slot {slot} cannot be reached"));
-        }
-        if let Some(instance) = walk.instances_seen.iter().position(|seen| !seen) {
-            return invalid(format!("instance {instance} cannot be reached"));
-        }
-        match walk.corners_held.iter().position(|&held| held != 0b1111) {
-            Some(triangle) => invalid(format!("triangle {triangle} is not within the leaves that hold it")),
-            None => Ok(()),
-        }
+        walk.met.finish()
     }
-}
-
-fn invalid<T>(what: String) -> Result<T, AccelError> {
-    Err(AccelError::Invalid(what))
 }
 
 struct Walk<'a> {
     bvh: &'a WideBvh,
-    triangles: &'a [[Vec3; 3]],
-    instances: &'a [Bounds],
-    instances_seen: Vec<bool>,
-    nodes_seen: Vec<bool>,
-    slots_seen: Vec<bool>,
-    /// Bits 0, 1, 2: vertices; bit 3: the centroid, within some leaf that holds the triangle.
-    corners_held: Vec<u8>,
+    met: Met<'a>,
 }
 
 impl Walk<'_> {
     /// `within`: what all boxes above have in common.
     fn node(&mut self, node: u32, within: &Bounds, depth: usize) -> Result<(), AccelError> {
-        match self.nodes_seen.get_mut(node as usize) {
-            None => return invalid(format!("node {node} does not exist")),
-            Some(true) => return invalid(format!("node {node} is reached twice")),
-            Some(seen) => *seen = true,
-        }
+        self.met.node(node)?;
         if depth > self.bvh.max_depth {
             return invalid(format!("node {node} lies below max_depth {}", self.bvh.max_depth));
         }
@@ -87,42 +57,12 @@ impl Walk<'_> {
             let common = Bounds { min: bounds.min.max(within.min), max: bounds.max.min(within.max) };
             match child {
                 Child::Inner(inner) => self.node(inner, &common, depth + 1)?,
-                Child::Leaf { first, count } => self.leaf(first, count, &common)?,
+                Child::Leaf { first, count } => {
+                    for slot in self.met.slots(first, count)? {
+                        self.met.primitive(self.bvh.primitives[slot] as usize, &common)?;
+                    }
+                }
             }
-        }
-        Ok(())
-    }
-
-    fn leaf(&mut self, first: u32, count: u32, bounds: &Bounds) -> Result<(), AccelError> {
-        let slots = first as usize..first as usize + count as usize;
-        if slots.end > self.slots_seen.len() {
-            return invalid(format!("leaf slots {slots:?} do not exist"));
-        }
-        for slot in slots {
-            if std::mem::replace(&mut self.slots_seen[slot], true) {
-                return invalid(format!("slot {slot} is reached twice"));
-            }
-            let triangle = self.bvh.primitives[slot] as usize;
-            if triangle >= self.triangles.len() {
-                self.instance(triangle - self.triangles.len(), bounds)?;
-                continue;
-            }
-            let [a, b, c] = self.triangles[triangle];
-            for (bit, point) in [a, b, c, a / 3.0 + b / 3.0 + c / 3.0].into_iter().enumerate() {
-                self.corners_held[triangle] |= u8::from(bounds.contains_point(point)) << bit;
-            }
-        }
-        Ok(())
-    }
-
-    fn instance(&mut self, instance: usize, bounds: &Bounds) -> Result<(), AccelError> {
-        match self.instances_seen.get_mut(instance) {
-            None => return invalid(format!("instance {instance} does not exist")),
-            Some(true) => return invalid(format!("instance {instance} is reached twice")),
-            Some(seen) => *seen = true,
-        }
-        if !bounds.contains(&self.instances[instance]) {
-            return invalid(format!("instance {instance} is not within its boxes"));
         }
         Ok(())
     }

@@ -21,13 +21,13 @@ const MOST_WAITING: usize = 7 * STACK_SIZE as usize + 1;
 const VEC4: usize = 16;
 const NODE_BYTES: usize = WIDE_STRIDE as usize * VEC4;
 
-/// Expands to the body of the kernels' `closest_hit`, in a module that has `passes` and `Hit`.
-macro_rules! closest_hit {
-    ($globals:expr, $origin:expr, $direction:expr, $t_max:expr) => {{
+/// Expands to a trace, in a module that has the kernels' `passes`: the nearest hit, or any one.
+macro_rules! found {
+    ($any:literal, $globals:expr, $origin:expr, $direction:expr, $t_max:expr) => {{
         let (globals, origin, direction) = ($globals, $origin, $direction);
         // SAFETY: the buffers hold a hierarchy, by `Globals::new`'s contract.
-        let found = unsafe {
-            crate::traversal::trace::<false>(
+        unsafe {
+            crate::traversal::trace::<$any>(
                 globals.nodes,
                 globals.triangles,
                 origin,
@@ -35,29 +35,25 @@ macro_rules! closest_hit {
                 $t_max,
                 |id, u, v| passes(globals, id, u, v, origin, direction),
             )
-        };
+        }
+    }};
+}
+pub(crate) use found;
+
+/// The body of the kernels' `closest_hit`.
+macro_rules! closest_hit {
+    ($globals:expr, $origin:expr, $direction:expr, $t_max:expr) => {{
+        let found = crate::traversal::found!(false, $globals, $origin, $direction, $t_max);
         Hit { t: found.t, u: found.u, v: found.v, triangle: found.triangle }
     }};
 }
 pub(crate) use closest_hit;
 
-/// As [`closest_hit`], for the kernels' `any_hit`.
+/// The body of the kernels' `any_hit`.
 macro_rules! any_hit {
-    ($globals:expr, $origin:expr, $direction:expr, $t_max:expr) => {{
-        let (globals, origin, direction) = ($globals, $origin, $direction);
-        // SAFETY: as for `closest_hit`.
-        let found = unsafe {
-            crate::traversal::trace::<true>(
-                globals.nodes,
-                globals.triangles,
-                origin,
-                direction,
-                $t_max,
-                |id, u, v| passes(globals, id, u, v, origin, direction),
-            )
-        };
-        found.triangle != NONE
-    }};
+    ($globals:expr, $origin:expr, $direction:expr, $t_max:expr) => {
+        crate::traversal::found!(true, $globals, $origin, $direction, $t_max).triangle != NONE
+    };
 }
 pub(crate) use any_hit;
 
