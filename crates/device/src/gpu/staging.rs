@@ -44,7 +44,8 @@ impl Staging {
             })?;
             faults.wait(device, submission)?;
             let refused = |error: &dyn std::fmt::Display| Fault::Refused(error.to_string());
-            mapped.try_recv().map_err(|error| refused(&error))?.map_err(|error| refused(&error))?;
+            // Another thread's wait may have taken the callback and be about to call it.
+            mapped.recv().map_err(|error| refused(&error))?.map_err(|error| refused(&error))?;
             let view = staging.get_mapped_range(..portion).map_err(|error| refused(&error))?;
             out.extend_from_slice(&view);
             drop(view);

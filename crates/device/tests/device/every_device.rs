@@ -40,6 +40,7 @@ on_every_device! {
     commands_see_what_earlier_ones_wrote
     many_commands_run_in_order
     lanes_run_lists_of_their_own
+    many_threads_read_at_once
     bindings_are_checked
     other_devices_resources_are_refused
     timed_runs_name_their_dispatches
@@ -246,6 +247,21 @@ fn lanes_run_lists_of_their_own(device: &dyn Device) {
     }
     assert_eq!(ran.into_inner(), (0..n).map(|lane| 1 << (8 * lane)).sum::<usize>());
     assert_eq!(words(device, &sum), [n as u32 * (256 * 257 / 2)]);
+}
+
+fn many_threads_read_at_once(device: &dyn Device) {
+    let buffers: Vec<_> =
+        (0..8).map(|value| buffer_of(device, "data", BufferUsage::Storage, &[value; 16])).collect();
+    std::thread::scope(|threads| {
+        for (value, buffer) in (0..).zip(&buffers) {
+            threads.spawn(move || {
+                for _ in 0..2000 {
+                    device.run(&[Command::Clear(zeros(device, "other", 1))], false).expect("run");
+                    assert_eq!(words(device, buffer), [value; 16]);
+                }
+            });
+        }
+    });
 }
 
 fn bindings_are_checked(device: &dyn Device) {
