@@ -2,6 +2,7 @@
 
 pub mod albedo;
 pub mod camera_scenes;
+pub mod dispersion;
 pub mod estimate;
 pub mod integrators;
 pub mod lit;

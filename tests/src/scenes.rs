@@ -183,6 +183,7 @@ pub fn materials_room(smooth: bool) -> Scene {
 fn dielectric(thin: bool, alpha: f32) -> Surface {
     Surface::Dielectric {
         ior: 1.5,
+        dispersion: 0.0,
         reflection: Vec3::ONE.into(),
         transmission: Vec3::new(0.8, 0.9, 1.0).into(),
         sigma_a: Vec3::new(1.0, 0.5, 0.1),

@@ -89,6 +89,7 @@ fn glass_thick_and_thin() {
     let tint = vec3(1.0, 0.5, 1.0);
     let smooth = |ior, thin| Surface::Dielectric {
         ior,
+        dispersion: 0.0,
         reflection: Vec3::ONE.into(),
         transmission: tint.into(),
         sigma_a: Vec3::ZERO,
@@ -107,6 +108,32 @@ fn glass_thick_and_thin() {
     assert_eq!(sigma_a.x, 0.0);
     assert!((sigma_a.y - 0.5).abs() <= 1e-6);
     assert!(sigma_a.z > 5.0 && sigma_a.z.is_finite());
+}
+
+#[test]
+fn glass_that_disperses() {
+    let glass = |dispersion: f32, volume: Value, transmission: Value| {
+        let extensions = json!({"KHR_materials_dispersion": {"dispersion": dispersion},
+            "KHR_materials_volume": volume, "KHR_materials_transmission": transmission});
+        let pbr = json!({"metallicFactor": 0, "roughnessFactor": 0.3});
+        let (found, warnings) = material(json!({"pbrMetallicRoughness": pbr, "extensions": extensions}));
+        (found.surface.ior_spread(), warnings)
+    };
+    let (solid, thin) = (json!({"thicknessFactor": 1}), json!({}));
+    let (clear, half) = (json!({"transmissionFactor": 1}), json!({"transmissionFactor": 0.5}));
+    // The extension's formula: (n - 1) / V between the F and the C line, V = 20 / dispersion, half of it.
+    let spread = 0.5 * (1.5 - 1.0) / (20.0 / 4.0);
+    for transmission in [&clear, &half] {
+        let (found, warnings) = glass(4.0, solid.clone(), transmission.clone());
+        assert!((found - spread).abs() <= 1e-6, "{found}");
+        assert_eq!(warnings, []);
+    }
+    assert_eq!(glass(0.0, solid.clone(), clear.clone()), (0.0, vec![]));
+    assert_eq!(glass(4.0, thin, clear.clone()), (0.0, vec![]));
+    assert_eq!(glass(4.0, solid.clone(), json!({})), (0.0, vec![]));
+    // Red's index is not below 1, and no Abbe number below 0.
+    assert_eq!(glass(100.0, solid.clone(), clear.clone()), (0.5, vec![WarningKind::Repaired]));
+    assert_eq!(glass(-1.0, solid, clear), (0.0, vec![WarningKind::Repaired]));
 }
 
 #[test]

@@ -44,6 +44,7 @@ fn materials() {
     let mirror = |r| Surface::mirror(Vec3::splat(r));
     let glass = |ior, tint| Surface::Dielectric {
         ior,
+        dispersion: 0.0,
         reflection: Vec3::ONE.into(),
         transmission: Vec3::splat(tint).into(),
         sigma_a: Vec3::ZERO,

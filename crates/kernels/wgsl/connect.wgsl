@@ -29,7 +29,7 @@ fn connect(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (hit.triangle == NONE || n_joins == 0u) {
         return;
     }
-    let vertex = arrive(path, hit);
+    let vertex = arrive(path, hit, 0u);
     if (!is_connectible(vertex.material)) {
         return;
     }

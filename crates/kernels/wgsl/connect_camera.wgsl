@@ -37,7 +37,7 @@ fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (stored.s > 1u && !may_scatter(surface, stored.wo, wi)) {
         return;
     }
-    let end = shade_surface(surface);
+    let end = shade_surface(surface, stored.throughput);
     let terms = light_end_terms(stored, end, wi);
     // the cosine is > 0: the vertex is in front of the camera
     let pdf_camera = camera_pdf_across(params.camera, film_point.z / distance, distance_squared);
@@ -48,7 +48,7 @@ fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
         let ending = ending_chance(config, survival(end.material));
         weight = mis_weight_splat(config, pdf_camera * cosine, light_earlier(stored, ending, terms.pdf_rev));
     }
-    let medium = medium_before(params.camera_medium, surface, end.material, wi);
+    let medium = medium_before(params.camera_medium, surface, end.material.flags, wi);
     // splat_factor > 0: light paths per sample of every pixel
     let contribution = terms.f * medium_transmittance(medium, distance)
         * (cosine * pdf_camera / params.splat_factor * strategy_weight(stored.s, 1u, weight) * place.weight);

@@ -29,7 +29,7 @@ fn connect_ends(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (hit.triangle == NONE || path_vertex_count(light_path) == 0u) {
         return;
     }
-    let vertex = arrive(path, hit);
+    let vertex = arrive(path, hit, 0u);
     let ends = scatter_numbers(path, 0u).w >= vertex.survival;
     if (!ends || !is_connectible(vertex.material)) {
         return;

@@ -49,7 +49,7 @@ fn shade(id: u32, path: Path) -> bool {
         }
         return false;
     }
-    let vertex = arrive(path, hit);
+    let vertex = arrive(path, hit, 0u);
     let t = path.depth + 2u; // with the lens and this vertex
     if (vertex.surface.light != NONE) {
         add_emission(path, vertex, t);

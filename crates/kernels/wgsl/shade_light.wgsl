@@ -31,7 +31,7 @@ fn shade(id: u32, path: Path) -> bool {
     if (hit.triangle == NONE || !any(path.throughput != vec3<f32>(0.0))) {
         return false;
     }
-    let vertex = arrive(path, hit);
+    let vertex = arrive(path, hit, DRAW_LIGHT);
     let s = path.depth + 2u; // with y_0 and this vertex
     if (!length_allowed(s, 1u)) {
         return false;

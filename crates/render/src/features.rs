@@ -22,7 +22,11 @@ fn material_features(material: &Material) -> u32 {
     let inside = if material.surface.has_inside() { k::FEATURE_INSIDES } else { 0 };
     let textured_light = material.is_emissive()
         && (material.emission.texture.is_some() || material.opacity != Opacity::Opaque);
-    let set = [(cutout, k::FEATURE_CUTOUTS), (textured_light, k::FEATURE_TEXTURED_LIGHTS)];
+    let set = [
+        (cutout, k::FEATURE_CUTOUTS),
+        (textured_light, k::FEATURE_TEXTURED_LIGHTS),
+        (material.surface.ior_spread() > 0.0, k::FEATURE_DISPERSION),
+    ];
     set.iter()
         .filter(|(has, _)| *has)
         .fold(surface_features(&material.surface) | inside, |all, (_, feature)| all | feature)

@@ -5,7 +5,7 @@ use glam::{Mat4, Vec3};
 use crate::{Camera, Image, Instance, Material, Mesh, Projection, Scene, Texels};
 
 /// Changes whenever what is hashed, or how, changes.
-const FORMAT: &[u8] = b"midway-scene 3";
+const FORMAT: &[u8] = b"midway-scene 4";
 
 impl Scene {
     /// BLAKE3 of everything that the image depends on, in hexadecimal: the same on every machine,

@@ -97,8 +97,11 @@ pub enum Surface {
     },
     /// A boundary between two dielectrics.
     Dielectric {
-        /// Index of refraction inside over outside, > 0.
+        /// Index of refraction inside over outside, > 0; of green where it differs by colour.
         ior: f32,
+        /// 20 over the Abbe number, in [0, [`MAX_DISPERSION`]]; 0 where the index does not differ by colour.
+        /// See [`Surface::ior_spread`].
+        dispersion: f32,
         /// Multiplies what is reflected, in [0, 1].
         reflection: ColorInput,
         /// Multiplies what is transmitted, in [0, 1].
@@ -179,8 +182,11 @@ impl Roughness {
     }
 }
 
-/// glTF 2.0's metallic-roughness model, `KHR_materials_specular`, `_ior`, `_transmission`, `_volume`,
-/// `_clearcoat`, `_sheen` and `_anisotropy`. Fields are theirs; factors are in [0, 1].
+/// The largest dispersion: red's index is then 1.
+pub const MAX_DISPERSION: f32 = 40.0;
+
+/// glTF 2.0's metallic-roughness model, `KHR_materials_specular`, `_ior`, `_dispersion`,
+/// `_transmission`, `_volume`, `_clearcoat`, `_sheen` and `_anisotropy`. Fields are theirs; factors are in [0, 1].
 #[derive(Clone, Debug, PartialEq)]
 pub struct MetallicRoughness {
     /// Albedo of the base, or F0 of the metal.
@@ -193,8 +199,10 @@ pub struct MetallicRoughness {
     pub specular: ScalarInput,
     /// Its colour at normal incidence.
     pub specular_color: ColorInput,
-    /// Index of refraction, inside over outside.
+    /// Index of refraction, inside over outside; of green where it differs by colour.
     pub ior: f32,
+    /// As a dielectric's; of no effect where it is thin or does not transmit.
+    pub dispersion: f32,
     /// How much of the base transmits in place of scattering diffusely.
     pub transmission: ScalarInput,
     /// Transmits without bending.
@@ -228,6 +236,7 @@ impl Default for MetallicRoughness {
             specular: 1.0.into(),
             specular_color: Vec3::ONE.into(),
             ior: 1.5,
+            dispersion: 0.0,
             transmission: 0.0.into(),
             thin: true,
             sigma_a: Vec3::ZERO,
@@ -260,12 +269,25 @@ impl Surface {
     pub fn glass(ior: f32) -> Self {
         Self::Dielectric {
             ior,
+            dispersion: 0.0,
             reflection: Vec3::ONE.into(),
             transmission: Vec3::ONE.into(),
             sigma_a: Vec3::ZERO,
             thin: false,
             roughness: Roughness::smooth(),
         }
+    }
+
+    /// How far the index of refraction of blue (the F line, 486.1 nm) is above that of green (d, 587.6 nm),
+    /// and red's (C, 656.3 nm) below it: `KHR_materials_dispersion`'s (n - 1) · 0.025 · dispersion. 0 for
+    /// what has no inside, and for indices below 1, whose rarer side is air.
+    pub fn ior_spread(&self) -> f32 {
+        let (ior, dispersion) = match self {
+            Self::Dielectric { ior, dispersion, .. } => (*ior, *dispersion),
+            Self::MetallicRoughness(model) => (model.ior, model.dispersion),
+            _ => return 0.0,
+        };
+        if self.has_inside() { (ior - 1.0).max(0.0) * 0.025 * dispersion } else { 0.0 }
     }
 
     /// Whether it has an inside that light may travel in.

@@ -3,9 +3,9 @@
 use glam::{DMat3, Mat3, Vec3, Vec4};
 
 use crate::{
-    Camera, ColorInput, ConductorFresnel, Environment, Image, Instance, Light, LightKind, Material, Mesh,
-    MetallicRoughness, Opacity, Projection, Roughness, ScalarInput, Scene, SceneError, Surface, Texels,
-    Texture,
+    Camera, ColorInput, ConductorFresnel, Environment, Image, Instance, Light, LightKind, MAX_DISPERSION,
+    Material, Mesh, MetallicRoughness, Opacity, Projection, Roughness, ScalarInput, Scene, SceneError,
+    Surface, Texels, Texture,
 };
 
 /// How far a normal's length and a camera's axes may be from 1: rounding in files that store
@@ -150,8 +150,9 @@ fn validate_material(what: &str, material: &Material, n_images: usize) -> Checke
                 }
             }
         }
-        Surface::Dielectric { ior, reflection, transmission, sigma_a, roughness, .. } => {
+        Surface::Dielectric { ior, dispersion, reflection, transmission, sigma_a, roughness, .. } => {
             positive(what, "index of refraction", *ior)?;
+            bounded_dispersion(what, *dispersion)?;
             color("reflection tint", reflection)?;
             color("transmission tint", transmission)?;
             non_negative(what, "absorption", *sigma_a)?;
@@ -191,9 +192,16 @@ fn validate_metallic_roughness(what: &str, model: &MetallicRoughness, n_images: 
     }
     texture(what, model.anisotropy_direction.as_ref(), n_images)?;
     positive(what, "index of refraction", model.ior)?;
+    bounded_dispersion(what, model.dispersion)?;
     non_negative(what, "absorption", model.sigma_a)?;
     check(model.anisotropy_rotation.is_finite(), what, || {
         "its anisotropy's rotation is not finite".to_owned()
+    })
+}
+
+fn bounded_dispersion(what: &str, dispersion: f32) -> Checked {
+    check((0.0..=MAX_DISPERSION).contains(&dispersion), what, || {
+        format!("its dispersion is {dispersion}, outside [0, {MAX_DISPERSION}]")
     })
 }
 

@@ -53,6 +53,11 @@ fn validate_finds_each_kind_of_damage() {
         ("reflectance", |s| s.materials[0].surface = Surface::diffuse(Vec3::splat(1.1))),
         ("mirror", |s| s.materials[0].surface = Surface::mirror(Vec3::NAN)),
         ("ior", |s| s.materials[0].surface = glass(0.0, 1.0, 0.0)),
+        ("dispersion", |s| {
+            s.materials[0].surface = glass(1.5, 1.0, 0.0);
+            let Surface::Dielectric { dispersion, .. } = &mut s.materials[0].surface else { unreachable!() };
+            *dispersion = 41.0;
+        }),
         ("tint", |s| s.materials[0].surface = glass(1.5, -0.1, 0.0)),
         ("sigma_a", |s| s.materials[0].surface = glass(1.5, 1.0, f32::INFINITY)),
         ("yfov", |s| s.cameras[0].projection = Projection::Perspective { yfov: PI }),
@@ -72,6 +77,7 @@ fn validate_finds_each_kind_of_damage() {
 fn glass(ior: f32, tint: f32, sigma_a: f32) -> Surface {
     Surface::Dielectric {
         ior,
+        dispersion: 0.0,
         reflection: Vec3::ONE.into(),
         transmission: Vec3::splat(tint).into(),
         sigma_a: Vec3::splat(sigma_a),

@@ -9,6 +9,7 @@ mod bsdf_models;
 mod bsdf_sampling;
 mod cameras;
 mod chi_square;
+mod dispersion;
 mod film;
 mod lights;
 mod maths;

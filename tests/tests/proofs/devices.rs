@@ -14,12 +14,13 @@ const SIZE: usize = 64;
 /// changes what a path hits only now and then.
 const TOLERANCE: f64 = 1e-3;
 /// Of all pixels: in the others a path took another turn.
-const AGREEING: f64 = 0.99;
+pub const AGREEING: f64 = 0.99;
 
 /// Samples a pixel.
 const SAMPLES: u64 = 4;
 
-fn share_of_agreeing_pixels(a: &Image, b: &Image) -> f64 {
+/// Of one image, in another.
+pub fn share_of_agreeing_pixels(a: &Image, b: &Image) -> f64 {
     let mean = b.mean().iter().sum::<f64>() / 3.0;
     let close = |a: f32, b: f32| {
         let (a, b) = (f64::from(a), f64::from(b));

@@ -8,6 +8,7 @@ mod closed_forms;
 mod crops;
 mod degenerate;
 mod devices;
+mod dispersion;
 mod filters;
 mod importers;
 mod instances;

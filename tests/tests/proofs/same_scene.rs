@@ -58,7 +58,7 @@ fn look(material: &Material) -> Look {
                 other => panic!("{other:?}"),
             })
         }
-        Surface::Dielectric { ior, reflection, transmission, sigma_a, thin: false, roughness } => {
+        Surface::Dielectric { ior, reflection, transmission, sigma_a, thin: false, roughness, .. } => {
             assert!(roughness.is_smooth());
             assert_eq!([reflection.value, transmission.value, *sigma_a], [Vec3::ONE, Vec3::ONE, Vec3::ZERO]);
             Look::Glass(*ior)

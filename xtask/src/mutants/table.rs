@@ -30,6 +30,7 @@ const PARALLEL_RAYS: &str = "facing_squares_by_parallel_rays";
 const FILTERS: &str = "an_edge_has_the_filters_profile";
 const CROPS: &str = "a_crop_has_the_bits_of_the_whole";
 const NORMAL_MAPS: &str = "a_map_lies_the_same";
+const DISPERSION: &str = "that_disperses_has_each_channels_index";
 
 /// The mutants.
 pub const MUTANTS: &[Mutant] = &[
@@ -74,6 +75,20 @@ pub const MUTANTS: &[Mutant] = &[
         find: "select(medium, select(NONE, surface.material, cos_i < 0.0), crosses)",
         replace: "medium",
         caught_by: MATERIALS,
+    },
+    Mutant {
+        name: "join-by-greens-index",
+        file: "bindings/join.wgsl",
+        find: "shade_surface(y_surface, stored.throughput)",
+        replace: "shade_surface(y_surface, vec3<f32>(0.0, 1.0, 0.0))",
+        caught_by: DISPERSION,
+    },
+    Mutant {
+        name: "one-draw-of-a-channel-for-both-subpaths",
+        file: "bindings/vertex.wgsl",
+        find: "dimension(stream + DRAW_CHANNEL, path.depth)",
+        replace: "dimension(DRAW_CHANNEL, path.depth)",
+        caught_by: DISPERSION,
     },
     Mutant {
         name: "splat-not-divided-by-light-paths",

@@ -81,6 +81,7 @@ impl Loader<'_> {
     fn dielectric(&mut self, node: Node, thin: bool, roughness: Roughness) -> Result<Surface> {
         Ok(Surface::Dielectric {
             ior: relative_ior(node, indices::GLASS)?,
+            dispersion: 0.0,
             reflection: self.color(node, "specular_reflectance", Quantity::Share, 1.0)?,
             transmission: self.color(node, "specular_transmittance", Quantity::Share, 1.0)?,
             sigma_a: Vec3::ZERO,

@@ -20,6 +20,7 @@ impl Loader<'_> {
             Surface::Null => {
                 material.surface = Surface::Dielectric {
                     ior: 1.0,
+                    dispersion: 0.0,
                     reflection: Vec3::ONE.into(),
                     transmission: Vec3::ONE.into(),
                     sigma_a: absorption,

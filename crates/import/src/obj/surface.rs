@@ -167,6 +167,7 @@ impl Parameters {
         }
         Surface::Dielectric {
             ior,
+            dispersion: 0.0,
             reflection: Vec3::ONE.into(),
             transmission: tint.into(),
             sigma_a: Vec3::ZERO,

@@ -224,6 +224,7 @@ impl Definition<'_> {
     fn dielectric(&mut self, thin: bool) -> Result<Surface, ImportError> {
         Ok(Surface::Dielectric {
             ior: self.reader.ior(self.params, &["eta"], 1.5)?,
+            dispersion: 0.0,
             reflection: Vec3::ONE.into(),
             transmission: Vec3::ONE.into(),
             sigma_a: Vec3::ZERO,

@@ -64,6 +64,7 @@ fn glass(material: &mut Definition) -> Result<Surface, ImportError> {
     let zero_stays = |x: f32| if x == 0.0 { 0.0 } else { alpha_of_roughness(x) };
     Ok(Surface::Dielectric {
         ior: material.reader.ior(material.params, &["eta", "index"], 1.5)?,
+        dispersion: 0.0,
         reflection: material.albedo("Kr", 1.0)?,
         transmission: material.albedo("Kt", 1.0)?,
         sigma_a: Vec3::ZERO,
@@ -97,6 +98,7 @@ fn uber(material: &mut Definition) -> Result<Surface, ImportError> {
     Ok(if kt > 0.0 && kt >= kd {
         Surface::Dielectric {
             ior,
+            dispersion: 0.0,
             reflection: reflected,
             transmission: transmitted,
             sigma_a: Vec3::ZERO,

@@ -38,13 +38,16 @@ fn evaluate_join(path: Path, vertex: Vertex, stored: LightVertex) -> Join {
     if (distance_squared == 0.0 || !may_scatter(vertex.surface, vertex.wo, wi)) {
         return no_join();
     }
+    if (may_have(FEATURE_DISPERSION) && !contributes(vertex.throughput * stored.throughput)) {
+        return no_join(); // of different channels
+    }
     let y_surface = load_stored_surface(stored);
     if (!may_scatter(y_surface, stored.wo, -wi)) {
         return no_join();
     }
     let ends = evaluate_ends(vertex, stored, y_surface, wi);
     let leaving = medium_towards(path.medium, vertex.surface, vertex.material, vertex.wo, wi);
-    let medium = medium_before(leaving, y_surface, ends.y_material, -wi);
+    let medium = medium_before(leaving, y_surface, ends.y_material.flags, -wi);
     let cosines = abs(vec2<f32>(dot(vertex.surface.ng, wi), dot(y_surface.ng, wi)));
     let contribution = vertex.throughput * ends.z.f * stored.throughput * ends.y.f
         * medium_transmittance(medium, sqrt(distance_squared)) * (cosines.x * cosines.y / distance_squared);
@@ -77,7 +80,7 @@ fn evaluate_ends(vertex: Vertex, stored: LightVertex, y_surface: Surface, wi: ve
             y = terms;
         } else if (contributes(terms.f)) {
             z = terms;
-            end = shade_surface(y_surface);
+            end = shade_surface(y_surface, stored.throughput);
         } else {
             break;
         }

@@ -2,8 +2,9 @@
 
 /// vec4 of a record: colour, kind; emission, index of refraction; absorption, flags; specular colour,
 /// specular; roughness along and across, metallic, transmission; η or sheen's colour and roughness;
-/// k or coat, its roughness, anisotropy, and the sine of its rotation, which is within a quarter turn.
-const MATERIAL_STRIDE: u32 = 7u;
+/// k or coat, its roughness, anisotropy, and the sine of its rotation, which is within a quarter turn;
+/// how far blue's index is above green's.
+const MATERIAL_STRIDE: u32 = 8u;
 /// Where records start, in vec4.
 const MATERIALS_AT: u32 = ALBEDO_SIZE;
 
@@ -32,6 +33,15 @@ fn load_raw_material(index: u32) -> RawMaterial {
     }
     let rotation = vec2<f32>(sqrt(max(1.0 - g.w * g.w, 0.0)), g.w);
     return RawMaterial(kind, flags, a.xyz, b.xyz, b.w, d.xyz, d.w, e.xy, e.z, e.w, f, g.xyz, rotation);
+}
+
+/// A record as light of one colour meets it, which the subpath's throughput says.
+fn in_one_channel(plain: RawMaterial, index: u32, throughput: vec3<f32>) -> RawMaterial {
+    var raw = plain;
+    if (disperses(plain.flags)) {
+        raw.ior = channel_ior(plain.ior, scene[material_at(index) + 7u].x, channel_of(throughput));
+    }
+    return raw;
 }
 
 /// Whether any of what it transmits has a density.
@@ -108,9 +118,9 @@ fn medium_transmittance(medium: u32, distance: f32) -> vec3<f32> {
 }
 
 /// The medium of a segment that starts in one and ends at a surface, `towards_start` pointing back:
-/// the surface's own where the segment arrives from its inside.
-fn medium_before(medium: u32, surface: Surface, material: Material, towards_start: vec3<f32>) -> u32 {
-    let from_inside = bends(material) && dot(surface.ng, towards_start) < 0.0;
+/// the surface's own where the segment arrives from its inside. flags: its material's.
+fn medium_before(medium: u32, surface: Surface, flags: u32, towards_start: vec3<f32>) -> u32 {
+    let from_inside = has_inside(flags) && dot(surface.ng, towards_start) < 0.0;
     return select(medium, surface.material, from_inside);
 }
 

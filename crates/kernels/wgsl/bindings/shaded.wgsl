@@ -30,15 +30,14 @@ fn load_raw_point(surface: Surface) -> RawPoint {
     return point;
 }
 
-/// The same with all that scattering needs.
-fn shade_surface(surface: Surface) -> Shaded {
-    let point = load_raw_point(surface);
-    return Shaded(point.surface, finish_material(point.raw, load_albedos(point.raw)));
+/// The same with all that scattering needs. throughput: of the subpath, on arrival.
+fn shade_point(point: RawPoint, throughput: vec3<f32>) -> Shaded {
+    let raw = in_one_channel(point.raw, point.surface.material, throughput);
+    return Shaded(point.surface, finish_material(raw, load_albedos(raw)));
 }
 
-/// The point at barycentric coordinates u and v of a triangle's second and third vertex.
-fn load_shaded(id: u32, u: f32, v: f32) -> Shaded {
-    return shade_surface(load_surface(id, u, v));
+fn shade_surface(surface: Surface, throughput: vec3<f32>) -> Shaded {
+    return shade_point(load_raw_point(surface), throughput);
 }
 
 /// A point's record times what its textures say there, and its normal bent by the map. One loop over the

@@ -5,7 +5,7 @@ struct Vertex {
     material: Material,
     /// Towards the vertex before.
     wo: vec3<f32>,
-    /// Throughput on arrival.
+    /// Throughput on arrival, in one channel where the material disperses.
     throughput: vec3<f32>,
     mis: MisState,
     /// Survival at roulette.
@@ -14,18 +14,22 @@ struct Vertex {
     ending: f32,
 }
 
-/// The vertex at which a path's ray arrived; hit.triangle is not NONE.
-fn arrive(path: Path, hit: Hit) -> Vertex {
+/// The vertex at which a path's ray arrived; hit.triangle is not NONE. stream: 0, or DRAW_LIGHT.
+fn arrive(path: Path, hit: Hit, stream: u32) -> Vertex {
     let config = mis_config();
-    let shaded = load_shaded(hit.triangle, hit.u, hit.v);
-    let surface = shaded.surface;
-    let material = shaded.material;
+    let point = load_raw_point(load_surface(hit.triangle, hit.u, hit.v));
+    let surface = point.surface;
+    let medium = medium_before(path.medium, surface, point.raw.flags, -path.direction);
+    var throughput = path.throughput * medium_transmittance(medium, hit.t);
+    if (disperses(point.raw.flags)) {
+        let u = random(path.index, path.sample, dimension(stream + DRAW_CHANNEL, path.depth));
+        throughput = keep_one_channel(throughput, u.x);
+    }
+    let material = shade_point(point, throughput).material;
     let cos_in = max(abs(dot(surface.ng, path.direction)), 1e-12);
     let state = mis_arrive(config, path.mis, select(hit.t * hit.t, 1.0, path.parallel), cos_in);
-    let medium = medium_before(path.medium, surface, material, -path.direction);
     let q = survival(material);
-    return Vertex(surface, material, -path.direction, path.throughput * medium_transmittance(medium, hit.t),
-        state, q, ending_chance(config, q));
+    return Vertex(surface, material, -path.direction, throughput, state, q, ending_chance(config, q));
 }
 
 /// What a vertex scatters from one direction into another, densities with survival.

@@ -10,6 +10,7 @@
 #include "lib/microfacet.wgsl"
 #include "lib/albedo.wgsl"
 #include "lib/material.wgsl"
+#include "lib/dispersion.wgsl"
 #include "lib/sheen.wgsl"
 #include "lib/bsdf_conductor.wgsl"
 #include "lib/bsdf_dielectric.wgsl"

@@ -41,6 +41,8 @@ const FEATURE_RANDOM_TABLE: u32 = 32768u;
 const FEATURE_LIGHT_GROUPS: u32 = 524288u;
 /// The wide hierarchy, not the binary one.
 const FEATURE_WIDE: u32 = 1048576u;
+/// Surfaces with an inside whose index differs by colour.
+const FEATURE_DISPERSION: u32 = 2097152u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {

@@ -28,6 +28,8 @@ const MATERIAL_CONNECTIBLE: u32 = 64u;
 const MATERIAL_SINGLE_BOUNCE: u32 = 128u;
 /// Some of what it transmits may have a density.
 const MATERIAL_TRANSMITS: u32 = 256u;
+/// Its index of refraction differs by colour (lib/dispersion.wgsl).
+const MATERIAL_DISPERSES: u32 = 512u;
 
 /// A record: the scene's values, unchanged.
 struct RawMaterial {

@@ -8,6 +8,7 @@ const DRAW_SCATTER: u32 = 1u;
 const DRAW_NEE: u32 = 2u;
 const DRAW_EMIT_POINT: u32 = 3u;
 const DRAW_EMIT_DIRECTION: u32 = 4u;
+const DRAW_CHANNEL: u32 = 5u;
 const DRAW_ENVIRONMENT: u32 = 0x10u;
 const DRAW_RESERVOIR: u32 = 0x4000u;
 const DRAW_JOIN: u32 = 0x8000u;

@@ -38,7 +38,9 @@ pub(super) fn pack_material(material: &Material, slot_flags: u32) -> [Word4; k::
     let record = record_of(&material.surface);
     let emits_back = if material.emits == Sides::Both { k::MATERIAL_EMITS_BACK } else { 0 };
     let transmits = if transmits_density(&material.surface) { k::MATERIAL_TRANSMITS } else { 0 };
-    let flags = record.flags | slot_flags | emits_back | front_only(material) | transmits;
+    let spread = material.surface.ior_spread();
+    let disperses = if spread > 0.0 { k::MATERIAL_DISPERSES } else { 0 };
+    let flags = record.flags | slot_flags | emits_back | front_only(material) | transmits | disperses;
     let [a, b] = record.roughness;
     let float4 = |v: [f32; 4]| v.map(f32::to_bits);
     let [x, y, z] = record.k_or_coat;
@@ -50,6 +52,7 @@ pub(super) fn pack_material(material: &Material, slot_flags: u32) -> [Word4; k::
         float4([a, b, record.metallic, record.transmission]),
         float4(record.eta_or_sheen),
         float4([x, y, z, sine_within_a_quarter_turn(record.rotation)]),
+        float4([spread, 0.0, 0.0, 0.0]),
     ]
 }
 

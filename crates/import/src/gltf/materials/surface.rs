@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use midway_scene::{
-    Channel, ColorInput, ConductorFresnel, MetallicRoughness, Roughness, ScalarInput, Surface,
+    Channel, ColorInput, ConductorFresnel, MAX_DISPERSION, MetallicRoughness, Roughness, ScalarInput, Surface,
 };
 
 use super::{Base, Reader, glossiness};
@@ -27,6 +27,7 @@ impl Reader<'_, '_> {
         }
         self.specular(material, &mut model)?;
         self.transmission(material, &mut model)?;
+        self.dispersion(material, &mut model)?;
         self.coat(material, &mut model)?;
         self.sheen(material, &mut model)?;
         self.anisotropy(material, &mut model)?;
@@ -83,6 +84,23 @@ impl Reader<'_, '_> {
         model.thin = volume.float_or("thicknessFactor", 0.0)? <= 0.0;
         if !model.thin && model.transmission.value > 0.0 {
             model.sigma_a = self.absorption(&volume)?;
+        }
+        Ok(())
+    }
+
+    /// Of what has an inside: a thin wall bends no colour.
+    fn dispersion(&mut self, material: &Json, model: &mut MetallicRoughness) -> Result<(), ImportError> {
+        let Some(extension) = material.extension("KHR_materials_dispersion") else {
+            return Ok(());
+        };
+        let dispersion = extension.float_or("dispersion", 0.0)?;
+        let bounded = dispersion.clamp(0.0, MAX_DISPERSION);
+        if bounded != dispersion {
+            let message = format!("dispersion is taken as within 0 to {MAX_DISPERSION}");
+            self.warnings.add(WarningKind::Repaired, extension.pointer(), message);
+        }
+        if !model.thin && model.transmission.value > 0.0 {
+            model.dispersion = bounded;
         }
         Ok(())
     }
@@ -182,6 +200,7 @@ fn simplest(model: MetallicRoughness) -> Surface {
     if bare && round && clear && plain {
         return Surface::Dielectric {
             ior: model.ior,
+            dispersion: model.dispersion,
             reflection: Vec3::ONE.into(),
             transmission: model.base_color,
             sigma_a: model.sigma_a,
