@@ -1,4 +1,4 @@
-//! Rooms with glass whose index of refraction differs by colour.
+//! Glass whose index of refraction differs by colour.
 
 use glam::Vec3;
 use midway_scene::{Material, MetallicRoughness, Roughness, Scene, Surface};
@@ -16,38 +16,63 @@ pub fn indices() -> [f32; 3] {
     [IOR - spread, IOR, IOR + spread]
 }
 
-/// A block and a ball of coloured glass, and a ball that is half glass under a coat, below a wide lamp in a
-/// coloured room. `rough`: the glass is of facets.
-pub fn room(rough: bool, ior: f32, dispersion: f32) -> Scene {
+fn clear(alpha: f32, sigma_a: f32, ior: f32, dispersion: f32) -> Material {
+    Material::new(Surface::Dielectric {
+        ior,
+        dispersion,
+        reflection: Vec3::ONE.into(),
+        transmission: Vec3::new(0.7, 0.6, 0.7).into(),
+        sigma_a: Vec3::splat(sigma_a),
+        thin: false,
+        roughness: Roughness::alpha(alpha),
+    })
+}
+
+/// Mostly glass, otherwise diffuse, under a thin coat.
+fn mostly_clear(roughness: f32, sigma_a: f32, ior: f32, dispersion: f32) -> Material {
+    Material::new(Surface::MetallicRoughness(Box::new(MetallicRoughness {
+        base_color: Vec3::new(0.5, 0.6, 0.7).into(),
+        ior,
+        dispersion,
+        transmission: 0.95.into(),
+        thin: false,
+        sigma_a: Vec3::splat(sigma_a),
+        roughness: roughness.into(),
+        clearcoat: 0.1.into(),
+        clearcoat_roughness: 0.6.into(),
+        ..MetallicRoughness::default()
+    })))
+}
+
+/// A block and two balls of smooth glass, below a wide lamp in a coloured room.
+pub fn smooth_room(ior: f32, dispersion: f32) -> Scene {
     let mut scene = Scene::default();
     let wall = diffuse(Vec3::new(0.4, 0.5, 0.4), Vec3::ZERO);
     add(&mut scene, Shape::cuboid(-Vec3::ONE, Vec3::ONE).inside_out(), wall);
     let lamp = Shape::parallelogram(Vec3::new(-1.0, 0.95, -1.0), 2.0 * Vec3::X, 2.0 * Vec3::Z);
     add(&mut scene, lamp, diffuse(Vec3::ZERO, Vec3::new(1.2, 1.6, 2.0)));
-    let clear = Surface::Dielectric {
-        ior,
-        dispersion,
-        reflection: Vec3::ONE.into(),
-        transmission: Vec3::new(0.7, 0.6, 0.7).into(),
-        sigma_a: Vec3::new(1.5, 1.0, 1.0),
-        thin: false,
-        roughness: Roughness::alpha(if rough { 0.4 } else { 0.0 }),
-    };
-    let half = MetallicRoughness {
-        ior,
-        dispersion,
-        transmission: 0.6.into(),
-        thin: false,
-        roughness: if rough { 0.6 } else { 0.0 }.into(),
-        clearcoat: 0.5.into(),
-        clearcoat_roughness: 0.6.into(),
-        ..MetallicRoughness::default()
-    };
     let block = Shape::cuboid(Vec3::new(-0.75, -0.9, -0.4), Vec3::new(-0.25, 0.0, 0.0));
-    add(&mut scene, block, Material::new(clear.clone()));
-    add(&mut scene, Shape::icosphere(2, Vec3::new(0.1, -0.3, 0.2), 0.3), Material::new(clear));
-    let half = Material::new(Surface::MetallicRoughness(Box::new(half)));
-    add(&mut scene, Shape::icosphere(2, Vec3::new(0.6, -0.5, -0.4), 0.35), half);
+    add(&mut scene, block, clear(0.0, 1.0, ior, dispersion));
+    let ball = Shape::icosphere(2, Vec3::new(0.1, -0.3, 0.2), 0.3);
+    add(&mut scene, ball, clear(0.0, 1.0, ior, dispersion));
+    let ball = Shape::icosphere(2, Vec3::new(0.6, -0.5, -0.4), 0.35);
+    add(&mut scene, ball, mostly_clear(0.0, 1.0, ior, dispersion));
     scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.95), Vec3::new(0.0, -0.2, 0.0), 85.0));
+    scene
+}
+
+/// A lamp that shines up at two blocks of dark, rough glass, and a floor that has its light from them alone: by
+/// what they reflect, which differs most between channels.
+pub fn rough_blocks(ior: f32, dispersion: f32) -> Scene {
+    let mut scene = Scene::default();
+    let floor = Shape::parallelogram(Vec3::new(-1.0, -0.8, 1.0), 2.0 * Vec3::X, -2.0 * Vec3::Z);
+    add(&mut scene, floor, diffuse(Vec3::new(0.7, 0.6, 0.5), Vec3::ZERO));
+    let lamp = Shape::parallelogram(Vec3::new(-0.5, -0.6, -0.5), Vec3::Z, Vec3::X);
+    add(&mut scene, lamp, diffuse(Vec3::ZERO, Vec3::new(6.0, 4.0, 3.0)));
+    let block = Shape::cuboid(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(-0.05, 0.5, 1.0));
+    add(&mut scene, block, clear(0.4, 8.0, ior, dispersion));
+    let block = Shape::cuboid(Vec3::new(0.05, 0.0, -1.0), Vec3::new(1.0, 0.5, 1.0));
+    add(&mut scene, block, mostly_clear(0.6, 8.0, ior, dispersion));
+    scene.cameras.push(camera(Vec3::new(0.0, -0.3, 1.9), Vec3::new(0.0, -0.4, 0.0), 60.0));
     scene
 }

@@ -17,7 +17,7 @@ fn one_channel_is_kept_and_the_mean_is_the_throughput() {
     const DRAWS: usize = 1 << 14;
     let mut random = Random::new(61);
     for _ in 0..32 {
-        let plain = Vec3::new(random.between(0.0, 2.0) as f32, random.unit() as f32, random.unit() as f32);
+        let plain = Vec3::new(random.between(0.0, 2.0) as f32, random.unit(), random.unit());
         let mut sums = [0f64; 3];
         for i in 0..DRAWS {
             let kept = array(lib::keep_one_channel(plain, (i as f32 + 0.5) / DRAWS as f32));
@@ -41,7 +41,7 @@ fn a_channel_that_is_kept_stays() {
         for channel in 0..3 {
             let mut one = [0.0; 3];
             one[channel] = value;
-            for u in [0.0, random.unit() as f32 * LAST, LAST] {
+            for u in [0.0, random.unit() * LAST, LAST] {
                 let kept = lib::keep_one_channel(Vec3::from(one), u);
                 assert_eq!((array(kept), lib::channel_of(kept)), (one, channel as u32), "by {u}");
             }

@@ -84,13 +84,6 @@ pub const MUTANTS: &[Mutant] = &[
         caught_by: DISPERSION,
     },
     Mutant {
-        name: "one-draw-of-a-channel-for-both-subpaths",
-        file: "bindings/vertex.wgsl",
-        find: "dimension(stream + DRAW_CHANNEL, path.depth)",
-        replace: "dimension(DRAW_CHANNEL, path.depth)",
-        caught_by: DISPERSION,
-    },
-    Mutant {
         name: "splat-not-divided-by-light-paths",
         file: "connect_camera.wgsl",
         find: "cosine * pdf_camera / params.splat_factor * strategy_weight",
