@@ -3,8 +3,8 @@
 use glam::{Vec2, Vec3};
 use midway_film::Image;
 use midway_scene::{
-    Channel, ConductorFresnel, Filter, Image as Picture, Material, MetallicRoughness, NormalMap, Opacity,
-    Roughness, ScalarInput, Scene, Surface, Texels, Texture,
+    Channel, CoatNormal, ConductorFresnel, Filter, Image as Picture, Material, MetallicRoughness, NormalMap,
+    Opacity, Roughness, ScalarInput, Scene, Surface, Texels, Texture,
 };
 
 use crate::{
@@ -212,6 +212,10 @@ pub fn leaning_materials_room() -> Scene {
     scene.images.push(Picture { name: String::new(), width: 1, height: 1, texels });
     for material in scene.materials.iter_mut().skip(2) {
         material.normal_map = Some(NormalMap { texture: Texture::new(image), scale: 1.0 });
+        // A coat leans to the other side.
+        if let Surface::MetallicRoughness(model) = &mut material.surface {
+            model.clearcoat_normal = CoatNormal::Map(NormalMap { texture: Texture::new(image), scale: -1.0 });
+        }
     }
     scene
 }

@@ -8,7 +8,9 @@ use common::{Folder, data_uri, image_bytes, load_json, textured};
 use glam::{Vec3, vec2};
 use image::ImageFormat;
 use midway_import::{Import, ImportError, WarningKind, load};
-use midway_scene::{Channel, Filter, Image, MetallicRoughness, Opacity, Surface, Texels, Texture, Wrap};
+use midway_scene::{
+    Channel, CoatNormal, Filter, Image, MetallicRoughness, Opacity, Surface, Texels, Texture, Wrap,
+};
 use serde_json::{Value, json};
 
 const GREEN: [u8; 4] = [0, 255, 0, 128];
@@ -145,7 +147,8 @@ fn channels_of_the_extensions_textures() {
             "KHR_materials_specular": {"specularTexture": texture, "specularColorTexture": texture},
             "KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": texture},
             "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": texture,
-                "clearcoatRoughnessFactor": 1, "clearcoatRoughnessTexture": texture},
+                "clearcoatRoughnessFactor": 1, "clearcoatRoughnessTexture": texture,
+                "clearcoatNormalTexture": {"index": 0, "scale": 0.5}},
             "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenColorTexture": texture,
                 "sheenRoughnessFactor": 1, "sheenRoughnessTexture": texture},
             "KHR_materials_anisotropy": {"anisotropyStrength": 1, "anisotropyRotation": 0.5}}});
@@ -161,7 +164,9 @@ fn channels_of_the_extensions_textures() {
     assert!(model.specular_color.texture.is_some() && model.sheen_color.texture.is_some());
     assert_eq!((model.anisotropy.value, model.anisotropy_rotation), (1.0, 0.5));
     assert!(found.scene.materials[0].emission.texture.is_some());
-    assert_eq!(found.scene.images.len(), 2, "one file, read in two ways");
+    let CoatNormal::Map(map) = &model.clearcoat_normal else { panic!("{:?}", model.clearcoat_normal) };
+    assert_eq!(map.scale, 0.5);
+    assert_eq!(found.scene.images.len(), 3, "one file, read as colour, numbers and normals");
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! What a scene needs of the kernels (`lib/features.wgsl`): a GPU compiles them without the rest.
 
 use midway_kernels::constants as k;
-use midway_scene::{LightKind, Material, MetallicRoughness, Opacity, Roughness, ScalarInput, Scene, Surface};
+use midway_scene::{
+    CoatNormal, LightKind, Material, MetallicRoughness, Opacity, Roughness, ScalarInput, Scene, Surface,
+};
 
 /// The bits of `FEATURE_*` of everything that a scene has. What textures may make of a value counts as
 /// there. Not of the scene's data alone: whether meshes are placed, have attributes, and whether there
@@ -26,10 +28,22 @@ fn material_features(material: &Material) -> u32 {
         (cutout, k::FEATURE_CUTOUTS),
         (textured_light, k::FEATURE_TEXTURED_LIGHTS),
         (material.surface.ior_spread() > 0.0, k::FEATURE_DISPERSION),
+        (has_coat_normal(material), k::FEATURE_COAT_NORMALS),
     ];
     set.iter()
         .filter(|(has, _)| *has)
         .fold(surface_features(&material.surface) | inside, |all, (_, feature)| all | feature)
+}
+
+/// Whether a coat's normals are not those of the surface below.
+pub(crate) fn has_coat_normal(material: &Material) -> bool {
+    let Surface::MetallicRoughness(model) = &material.surface else { return false };
+    model.clearcoat.value > 0.0
+        && match &model.clearcoat_normal {
+            CoatNormal::Below => false,
+            CoatNormal::Mesh => material.normal_map.is_some(),
+            CoatNormal::Map(_) => true,
+        }
 }
 
 /// Whether any of what a surface transmits may have a density.

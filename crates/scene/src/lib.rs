@@ -25,8 +25,8 @@ pub use flatten::{PlacedMesh, WorldTriangle};
 pub use light::{Environment, Light, LightKind, SpotFalloff};
 pub use light_groups::{LightGroupRule, LightGroups, MAX_LIGHT_GROUPS};
 pub use material::{
-    ConductorFresnel, MAX_DISPERSION, Material, MetallicRoughness, NormalMap, Opacity, Roughness, Sides,
-    Surface,
+    CoatNormal, ConductorFresnel, MAX_DISPERSION, Material, MetallicRoughness, NormalMap, Opacity, Roughness,
+    Sides, Surface,
 };
 pub use texture::{Channel, ColorInput, Filter, Image, ScalarInput, Texels, Texture, Wrap, srgb_to_linear};
 

@@ -182,6 +182,17 @@ impl Roughness {
     }
 }
 
+/// The normals of a coat.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CoatNormal {
+    /// Those of the surface below, its normal map's where it has one.
+    Below,
+    /// The mesh's own, by no map.
+    Mesh,
+    /// By a map of its own.
+    Map(NormalMap),
+}
+
 /// The largest dispersion: red's index is then 1.
 pub const MAX_DISPERSION: f32 = 40.0;
 
@@ -213,6 +224,8 @@ pub struct MetallicRoughness {
     pub clearcoat: ScalarInput,
     /// Its perceptual roughness.
     pub clearcoat_roughness: ScalarInput,
+    /// Its normals.
+    pub clearcoat_normal: CoatNormal,
     /// Colour of the sheen; black for none.
     pub sheen_color: ColorInput,
     /// Its perceptual roughness.
@@ -242,6 +255,7 @@ impl Default for MetallicRoughness {
             sigma_a: Vec3::ZERO,
             clearcoat: 0.0.into(),
             clearcoat_roughness: 0.0.into(),
+            clearcoat_normal: CoatNormal::Below,
             sheen_color: Vec3::ZERO.into(),
             sheen_roughness: 0.0.into(),
             anisotropy: 0.0.into(),

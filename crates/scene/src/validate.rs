@@ -3,9 +3,9 @@
 use glam::{DMat3, Mat3, Vec3, Vec4};
 
 use crate::{
-    Camera, ColorInput, ConductorFresnel, Environment, Image, Instance, Light, LightKind, MAX_DISPERSION,
-    Material, Mesh, MetallicRoughness, Opacity, Projection, Roughness, ScalarInput, Scene, SceneError,
-    Surface, Texels, Texture,
+    Camera, CoatNormal, ColorInput, ConductorFresnel, Environment, Image, Instance, Light, LightKind,
+    MAX_DISPERSION, Material, Mesh, MetallicRoughness, NormalMap, Opacity, Projection, Roughness,
+    ScalarInput, Scene, SceneError, Surface, Texels, Texture,
 };
 
 /// How far a normal's length and a camera's axes may be from 1: rounding in files that store
@@ -125,8 +125,7 @@ fn validate_material(what: &str, material: &Material, n_images: usize) -> Checke
         Opacity::Mask(input, _) | Opacity::Blend(input) => scalar(what, "opacity", input, n_images)?,
     }
     if let Some(map) = &material.normal_map {
-        texture(what, Some(&map.texture), n_images)?;
-        check(map.scale.is_finite(), what, || "the scale of its normal map is not finite".to_owned())?;
+        normal_map(what, map, n_images)?;
     }
     let color = |name: &str, input: &ColorInput| {
         fraction(what, name, input.value)?;
@@ -191,12 +190,20 @@ fn validate_metallic_roughness(what: &str, model: &MetallicRoughness, n_images: 
         scalar(what, name, input, n_images)?;
     }
     texture(what, model.anisotropy_direction.as_ref(), n_images)?;
+    if let CoatNormal::Map(map) = &model.clearcoat_normal {
+        normal_map(what, map, n_images)?;
+    }
     positive(what, "index of refraction", model.ior)?;
     bounded_dispersion(what, model.dispersion)?;
     non_negative(what, "absorption", model.sigma_a)?;
     check(model.anisotropy_rotation.is_finite(), what, || {
         "its anisotropy's rotation is not finite".to_owned()
     })
+}
+
+fn normal_map(what: &str, map: &NormalMap, n_images: usize) -> Checked {
+    texture(what, Some(&map.texture), n_images)?;
+    check(map.scale.is_finite(), what, || "the scale of its normal map is not finite".to_owned())
 }
 
 fn bounded_dispersion(what: &str, dispersion: f32) -> Checked {

@@ -199,7 +199,7 @@ fn another_roughness_or_direction_is_rejected() {
 
 /// The chance of a delta lobe by its two factors.
 fn delta_chance(material: Material, front: bool, mu: f32, reflects: bool) -> f64 {
-    let met = lib::aspect_at(material, front, Vec3::new(0.0, 0.0, mu));
+    let met = lib::aspect_at(material, front, Vec3::new(0.0, 0.0, mu), mu);
     let chances = lib::lobe_chances(material, front, mu, met);
     let reflected = lib::reflection_chance(lib::interface_split(material, front, mu));
     f64::from(chances.facets * if reflects { reflected } else { 1.0 - reflected })

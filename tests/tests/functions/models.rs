@@ -31,6 +31,11 @@ fn coated(raw: RawMaterial, coat: f32, coat_roughness: f32) -> RawMaterial {
     RawMaterial { k_or_coat: Vec3::new(coat, coat_roughness, 0.0), ..raw }
 }
 
+fn coated_apart(raw: RawMaterial, coat: f32, coat_roughness: f32) -> RawMaterial {
+    let raw = coated(raw, coat, coat_roughness);
+    RawMaterial { flags: raw.flags | lib::MATERIAL_COAT_NORMAL, ..raw }
+}
+
 /// All of them, none of them smooth alone.
 pub fn all() -> Vec<Model> {
     let white = |kind| raw(kind);
@@ -85,5 +90,17 @@ pub fn all() -> Vec<Model> {
         model("half thin", RawMaterial { transmission: 0.5, ..rough(clear, 0.6, 0.6) }, 0.02),
         model("volume, roughness 0.6", rough(solid(clear, 1.5), 0.6, 0.6), 0.03),
         model("coated thin, smooth", coated(RawMaterial { transmission: 0.5, ..clear }, 0.7, 0.0), 0.05),
+        model("coat 0 apart on dielectric", coated_apart(rough(pbr, 0.6, 0.6), 1.0, 0.0), 0.05),
+        model(
+            "coat 0.5 apart on metal",
+            coated_apart(RawMaterial { metallic: 1.0, ..rough(pbr, 0.7, 0.7) }, 1.0, 0.5),
+            0.02,
+        ),
+        model(
+            "coat 0.4 apart, thin, smooth",
+            coated_apart(RawMaterial { transmission: 0.5, ..clear }, 0.7, 0.4),
+            0.05,
+        ),
+        model("coat 0.3 apart on velvet", coated_apart(rough(velvet, 0.8, 0.8), 0.8, 0.3), 0.05),
     ]
 }

@@ -165,13 +165,14 @@ pub fn sheet(tint: [f32; 3], ior: f32) -> Material {
     finish(RawMaterial { color: Vec3::from(tint), ior, ..raw(lib::SURFACE_DIELECTRIC) })
 }
 
-/// A frame of normals; its tangent is perpendicular to ns.
+/// A frame of normals; its tangent is perpendicular to ns, and the coat's normal leans to the other side.
 pub fn frame(ng: DVec3, ns: DVec3) -> Frame {
     Frame {
         ng: single(ng),
         ns: single(ns),
         tangent: single(ns.any_orthonormal_vector()),
         bitangent_sign: 1.0,
+        coat_ns: single(2.0 * ng.dot(ns) * ng - ns),
     }
 }
 

@@ -4,7 +4,7 @@
 use glam::{Mat3, Vec2, Vec3};
 use midway_film::Image;
 use midway_scene::{
-    Image as Picture, Material, MetallicRoughness, NormalMap, Scene, Surface, Texels, Texture,
+    CoatNormal, Image as Picture, Material, MetallicRoughness, NormalMap, Scene, Surface, Texels, Texture,
 };
 use midway_tests::{
     estimate::{cpu, render},
@@ -81,6 +81,39 @@ fn normals_lean_towards_the_right_and_up_of_the_map() {
     for axis in 0..2 {
         let lean = |by: f32| if axis == 0 { [by, 0.0] } else { [0.0, by] };
         assert!(sum(lean(0.3)) > 1.05 * straight && sum(lean(-0.3)) < 0.95 * straight, "axis {axis}");
+    }
+}
+
+/// A coat on black leans by its own map as a surface does by its, and not by the map of what is below.
+#[test]
+fn a_coat_leans_by_its_own_map() {
+    let _turn = in_turn();
+    let lean = [0.3, -0.2];
+    let floor = |below: Option<Texture>, coat: CoatNormal| Material {
+        normal_map: below.map(|texture| NormalMap { texture, scale: 1.0 }),
+        ..Material::new(Surface::MetallicRoughness(Box::new(MetallicRoughness {
+            base_color: Vec3::ZERO.into(),
+            specular: 0.0.into(),
+            clearcoat: 1.0.into(),
+            clearcoat_roughness: 0.6.into(),
+            clearcoat_normal: coat,
+            ..MetallicRoughness::default()
+        })))
+    };
+    let own = |flip_v| CoatNormal::Map(NormalMap { texture: map(flip_v), scale: 1.0 });
+    let seen = |floor, flip_v| picture_of(&scene_of(floor, lean, flip_v));
+    let straight = seen(floor(None, CoatNormal::Below), false);
+    let leaning = seen(floor(Some(map(false)), CoatNormal::Below), false);
+    let apart = difference(&leaning, &straight);
+    assert!(apart >= 0.05, "leaning changes the picture by {apart}");
+    for (name, other, expected) in [
+        ("by its own map", seen(floor(None, own(false)), false), &leaning),
+        ("by its own map, flipped", seen(floor(None, own(true)), true), &leaning),
+        ("by its own map over the same", seen(floor(Some(map(false)), own(false)), false), &leaning),
+        ("by no map", seen(floor(Some(map(false)), CoatNormal::Mesh), false), &straight),
+    ] {
+        let error = difference(&other, expected);
+        assert!(error <= 1e-3, "{name}: {error}");
     }
 }
 

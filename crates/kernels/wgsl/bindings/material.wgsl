@@ -3,7 +3,7 @@
 /// vec4 of a record: colour, kind; emission, index of refraction; absorption, flags; specular colour,
 /// specular; roughness along and across, metallic, transmission; η or sheen's colour and roughness;
 /// k or coat, its roughness, anisotropy, and the sine of its rotation, which is within a quarter turn;
-/// how far blue's index is above green's.
+/// how far blue's index is above green's, the scale of the coat's normal map.
 const MATERIAL_STRIDE: u32 = 8u;
 /// Where records start, in vec4.
 const MATERIALS_AT: u32 = ALBEDO_SIZE;

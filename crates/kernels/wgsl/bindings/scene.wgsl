@@ -7,7 +7,7 @@
 @group(0) @binding(1) var<storage, read> scene: array<vec4<f32>>;
 
 fn frame_of(surface: Surface) -> Frame {
-    return Frame(surface.ng, surface.ns, surface.tangent, surface.bitangent_sign);
+    return Frame(surface.ng, surface.ns, surface.tangent, surface.bitangent_sign, surface.coat_ns);
 }
 
 /// 32 random bits four times for a draw of a path: by Sobol, by hash, or from the table, whose numbers

@@ -53,6 +53,8 @@ fn add_textures(plain: RawPoint) -> RawPoint {
         let rgba = sample_texture(word >> 2u, plain.surface.uv0, plain.surface.uv1);
         if (slot == SLOT_NORMAL) {
             point.surface = bend_normal(point.surface, rgba.xyz, word >> 2u);
+        } else if (may_have(FEATURE_COAT_NORMALS) && slot == SLOT_CLEARCOAT_NORMAL) {
+            point.surface.coat_ns = bent_normal(plain.surface, rgba.xyz, word >> 2u, scene[material_at(material) + 7u].y);
         } else if (may_have(FEATURE_ANISOTROPY) && slot == SLOT_ANISOTROPY_DIRECTION) {
             point.raw.rotation = turned(point.raw.rotation, rgba.xyz, word >> 2u);
         } else {
@@ -102,21 +104,25 @@ fn map_axes(texture: u32) -> vec2<f32> {
     return vec2<f32>(select(1.0, -1.0, map.row_u.x < 0.0), select(1.0, -1.0, map.row_v.y < 0.0));
 }
 
-/// The shading normal by a texel of the material's normal map, kept in ng's hemisphere.
-fn bend_normal(plain: Surface, rgb: vec3<f32>, texture: u32) -> Surface {
+/// A surface's normal by a texel of a normal map, kept in ng's hemisphere.
+fn bent_normal(plain: Surface, rgb: vec3<f32>, texture: u32, scale: f32) -> vec3<f32> {
     let texel = rgb * 2.0 - vec3<f32>(1.0);
-    let scale = load_slot_numbers(plain.material).x;
     let axes = scale * map_axes(texture);
     let bitangent = plain.bitangent_sign * cross(plain.ns, plain.tangent);
     let bent = texel.x * axes.x * plain.tangent + texel.y * axes.y * bitangent + texel.z * plain.ns;
     let size2 = dot(bent, bent);
     if (size2 < 1e-12) {
-        return plain;
+        return plain.ns;
     }
     let unit = bent * inverseSqrt(size2);
     let missing = max(LEAST_NORMAL_COSINE - dot(unit, plain.ng), 0.0);
+    return normalize(unit + missing * plain.ng); // not zero: its cosine to ng is LEAST_NORMAL_COSINE or more
+}
+
+/// The shading normal by a texel of the material's normal map.
+fn bend_normal(plain: Surface, rgb: vec3<f32>, texture: u32) -> Surface {
     var surface = plain;
-    surface.ns = normalize(unit + missing * plain.ng); // not zero: its cosine to ng is LEAST_NORMAL_COSINE or more
+    surface.ns = bent_normal(plain, rgb, texture, load_slot_numbers(plain.material).x);
     surface.tangent = tangent_along(surface.ns, plain.tangent);
     return surface;
 }

@@ -4,9 +4,9 @@
 
 /// vec4 per material: a word for each slot; then normal scale, opacity, cutoff, and as bits the mode
 /// (2) and behind it which slots `add_textures` is to look up.
-const SLOTS_STRIDE: u32 = 5u;
+const SLOTS_STRIDE: u32 = 6u;
 /// A slot's word is a texture's index and, in its two lowest bits, a channel; NONE for no texture.
-const N_SLOTS: u32 = 16u;
+const N_SLOTS: u32 = 20u;
 /// Albedo, F0, the tint of what is transmitted.
 const SLOT_COLOR: u32 = 0u;
 const SLOT_NORMAL: u32 = 1u;
@@ -25,6 +25,7 @@ const SLOT_SHEEN_ROUGHNESS: u32 = 13u;
 const SLOT_ANISOTROPY: u32 = 14u;
 /// Red and green: along the tangent and the bitangent, from -1 to 1.
 const SLOT_ANISOTROPY_DIRECTION: u32 = 15u;
+const SLOT_CLEARCOAT_NORMAL: u32 = 16u;
 
 // The record's mode, the low bits of the last word
 const OPACITY_NONE: u32 = 0u;

@@ -50,6 +50,8 @@ struct Surface {
     tangent: vec3<f32>,
     /// The bitangent is bitangent_sign · cross(ns, tangent).
     bitangent_sign: f32,
+    /// Of a coat that has a normal of its own, as ns.
+    coat_ns: vec3<f32>,
 }
 
 /// A triangle as it is stored: of the world, or in its mesh's frame.
@@ -138,7 +140,7 @@ fn load_surface(id: u32, u: f32, v: f32) -> Surface {
     }
     let frame = frame_from_normal(ns);
     var surface = Surface(triangle.v0 + u * triangle.e1 + v * triangle.e2, ng, ns, triangle.material, triangle.light,
-        vec2<f32>(0.0), vec2<f32>(0.0), vec4<f32>(1.0), frame[0], 1.0);
+        vec2<f32>(0.0), vec2<f32>(0.0), vec4<f32>(1.0), frame[0], 1.0, ns);
     if (may_have(FEATURE_ATTRIBUTES) && triangle.attributes != NONE) {
         surface = add_attributes(surface, triangle, u, v);
     }

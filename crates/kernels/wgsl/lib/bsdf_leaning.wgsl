@@ -22,6 +22,8 @@ struct Seen {
     basis: mat3x3<f32>,
     /// The geometric normal on the direction's side, in the basis.
     ng: vec3<f32>,
+    /// The coat's normal as it is seen, in the basis.
+    coat: vec3<f32>,
     front: bool,
 }
 
@@ -48,7 +50,41 @@ fn see_from(material: Material, frame: Frame, w: vec3<f32>) -> Seen {
     let front = dot(frame.ng, w) > 0.0;
     let side = select(-1.0, 1.0, front);
     let basis = local_basis(material, frame, normal_seen_from(side * frame.ns, w), side);
-    return Seen(basis, side * frame.ng * basis, front);
+    var coat = vec3<f32>(0.0, 0.0, 1.0);
+    if (coat_leans(material)) {
+        coat = normal_seen_from(side * frame.coat_ns, w) * basis;
+    }
+    return Seen(basis, side * frame.ng * basis, coat, front);
+}
+
+/// The cosine by which a coat meets a local direction.
+fn coat_cosine(material: Material, coat: vec3<f32>, w: vec3<f32>) -> f32 {
+    return select(abs(w.z), min(abs(dot(coat, w)), 1.0), coat_leans(material));
+}
+
+/// The frame of the coat.
+fn coat_frame(material: Material, frame: Frame) -> Frame {
+    return Frame(frame.ng, select(frame.ns, frame.coat_ns, coat_leans(material)), frame.tangent, frame.bitangent_sign, frame.coat_ns);
+}
+
+/// What a coat with a normal of its own lets through towards w, over what it would by the normal below,
+/// which is in the layers' values: so that coat and what is below give back what they would apart.
+fn coat_leaning_factor(material: Material, frame: Frame, w: vec3<f32>) -> f32 {
+    let front = dot(frame.ng, w) > 0.0;
+    if (!coat_leans(material) || !has_layers(material, front)) {
+        return 1.0;
+    }
+    let side = select(-1.0, 1.0, front);
+    let own = coat_through(material, dot(normal_seen_from(side * frame.coat_ns, w), w));
+    let below = coat_through(material, dot(normal_seen_from(side * frame.ns, w), w));
+    return own / max(below, LEAST_THROUGH);
+}
+
+/// The same between two directions: as glTF has it, towards the camera, or the one that is outside of a
+/// solid.
+fn coat_leaning_between(material: Material, frame: Frame, to_camera: vec3<f32>, to_light: vec3<f32>) -> f32 {
+    let by_light = bends(material) && dot(frame.ng, to_camera) < 0.0;
+    return coat_leaning_factor(material, frame, select(to_camera, to_light, by_light));
 }
 
 /// Columns along the tangent turned by the material's rotation, across it, and the normal n.
@@ -70,7 +106,9 @@ fn local_basis(material: Material, frame: Frame, n: vec3<f32>, side: f32) -> mat
 /// How much of a light path's density is a cosine lobe about ng, so that it reaches the cameras that
 /// lobes about n(light) do not.
 fn stray_chance(material: Material, frame: Frame, mode: u32) -> f32 {
-    let leans = clamp(1.0 - dot(frame.ng, frame.ns), 0.0, 0.5);
+    let cosine = dot(frame.ng, frame.ns);
+    let least = select(cosine, min(cosine, dot(frame.ng, frame.coat_ns)), coat_leans(material));
+    let leans = clamp(1.0 - least, 0.0, 0.5);
     return select(0.0, leans, mode == TRANSPORT_IMPORTANCE && is_connectible(material));
 }
 

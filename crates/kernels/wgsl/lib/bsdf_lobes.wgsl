@@ -102,15 +102,17 @@ struct Aspect {
     /// What the coat lets through; coat and sheen together.
     under_coat: f32,
     layers: f32,
+    /// What the coat lets through by its own normal.
+    under_own: f32,
     /// Albedo of a sheen of colour 1.
     sheen: f32,
     /// What reaches the base.
     through: vec3<f32>,
 }
 
-/// By the side and the direction, whose cosine to the normal (z) is not negative.
-fn aspect_at(material: Material, front: bool, w: vec3<f32>) -> Aspect {
-    var aspect = Aspect(0.0, 0.0, 1.0, 1.0, 0.0, vec3<f32>(0.0));
+/// By the side, the direction, whose cosine to the normal (z) is not negative, and its cosine to the coat's.
+fn aspect_at(material: Material, front: bool, w: vec3<f32>, coat_cosine: f32) -> Aspect {
+    var aspect = Aspect(0.0, 0.0, 1.0, 1.0, 1.0, 0.0, vec3<f32>(0.0));
     if (!is_smooth(material)) {
         aspect.loss = loss_at(material, front, w.z);
         aspect.loss_towards = loss_towards(material, aspect.loss, w);
@@ -121,6 +123,10 @@ fn aspect_at(material: Material, front: bool, w: vec3<f32>) -> Aspect {
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
         if (may_have(FEATURE_LAYERS)) {
             aspect.under_coat = coat_through(material, w.z);
+            aspect.under_own = aspect.under_coat;
+            if (coat_leans(material)) {
+                aspect.under_own = coat_through(material, coat_cosine);
+            }
             aspect.sheen = curve_at(material.curves.sheen, w.z);
             aspect.layers = layers_through(material, aspect.under_coat, aspect.sheen);
         }
@@ -135,6 +141,9 @@ fn ms_at(material: Material, front: bool) -> vec3<f32> {
     }
     return select(material.ms_back, material.ms_front, front);
 }
+
+/// What a smooth coat lets through along the surface is bounded by it where it divides.
+const LEAST_THROUGH: f32 = 1e-6;
 
 /// Whether the layers and the base of plastic and of metallic-roughness are met from this side.
 fn has_layers(material: Material, front: bool) -> bool {
@@ -165,7 +174,13 @@ fn lobe_chances(material: Material, front: bool, mu: f32, met: Aspect) -> Lobes 
             reflected = met.layers * reflected + PI * max3(material.reflectance * met.through)
                 + max3(material.sheen) * (0.05 + met.sheen);
             transmitted *= met.layers;
-            coat = 1.0 - met.under_coat;
+            coat = 1.0 - met.under_own;
+            if (coat_leans(material)) {
+                let under = met.under_own / max(met.under_coat, LEAST_THROUGH);
+                facets *= under;
+                reflected *= under;
+                transmitted *= under;
+            }
         }
     }
     let sum = facets + reflected + transmitted + coat;

@@ -12,6 +12,8 @@
 //   interface and its multiple bounces: times S(wo) S(wi) over what lies between the larger of them
 //     and mean S (layers_between), S = (1 - c E_coat)(1 - max sheen E_sheen): a white metal under a
 //     rough coat is white within 0.02, under a smooth one within 0.05.
+// A coat with a normal of its own is a lobe about that, and covers what is below as seen by that normal
+// from the camera (lib/bsdf_leaning.wgsl), as glTF has it.
 // Limits: sheen and coat cover the front of a solid alone; a solid has no diffuse base from within, and as a metal no multiple bounces.
 
 /// Curves: a the loss of a mirror, b its CURVE_GRAZING; solid, a the loss at the front and b at the
@@ -114,7 +116,7 @@ fn metallic_through_mean(material: Material) -> vec4<f32> {
         let outer = i < 2u;
         let near = select(0.330009478, 0.0694318442, outer);
         let square = select(near, 1.0 - near, (i & 1u) != 0u);
-        let met = aspect_at(material, true, vec3<f32>(0.0, 0.0, sqrt(square)));
+        let met = aspect_at(material, true, vec3<f32>(0.0, 0.0, sqrt(square)), sqrt(square));
         sum += select(0.326072577, 0.173927423, outer) * vec4<f32>(met.through, met.layers);
     }
     return sum;

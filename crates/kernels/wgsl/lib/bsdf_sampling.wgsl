@@ -10,7 +10,7 @@ fn sample_lobes(material: Material, frame: Frame, wo: vec3<f32>, u: vec3<f32>, m
     } else {
         let seen = see_from(material, frame, wo);
         let local_o = wo * seen.basis;
-        let met = aspect_at(material, seen.front, local_o);
+        let met = aspect_at(material, seen.front, local_o, coat_cosine(material, seen.coat, local_o));
         let chances = lobe_chances(material, seen.front, local_o.z, met);
         let rest = among - chances.facets;
         if (rest < 0.0 && is_smooth(material)) {
@@ -32,6 +32,11 @@ fn draw_local(material: Material, seen: Seen, chances: Lobes, wo: vec3<f32>, u: 
     if (rest < 0.0) {
         local = sample_facet(material, seen.front, wo, u.xy, u.z / chances.facets); // > u.z >= 0
     } else if (may_have(FEATURE_LAYERS) && rest < chances.coat) {
+        if (coat_leans(material)) {
+            let basis = frame_from_normal(seen.coat);
+            local = basis * sample_coat_facet(material, wo * basis, u.xy);
+            return select(folded(seen.ng, local), local, dot(seen.ng, local) >= 0.0);
+        }
         local = sample_coat_facet(material, wo, u.xy);
     } else {
         let up = sample_cosine_hemisphere(u.xy);
@@ -85,7 +90,7 @@ fn sample_coat_facet(material: Material, wo: vec3<f32>, u: vec2<f32>) -> vec3<f3
 }
 
 fn sample_smooth_coat(material: Material, frame: Frame, wo: vec3<f32>, u: f32, chance: f32, mode: u32) -> BsdfSample {
-    let mirrored = mirror_leaning(frame, wo, u, mode);
+    let mirrored = mirror_leaning(coat_frame(material, frame), wo, u, mode);
     if (mirrored.chance == 0.0) {
         return no_sample();
     }
@@ -132,7 +137,7 @@ fn sample_smooth(material: Material, frame: Frame, wo: vec3<f32>, choice: f32, c
         return sample_smooth_reflection(material, frame, wo, choice / reflects, chance * reflects, mode);
     }
     if (!bends(material)) {
-        let weight = at.split.transmitted * (layers_over(material, front, cos_o) / (chance * (1.0 - reflects)));
+        let weight = at.split.transmitted * (layers_over(material, frame, front, cos_o, wo) / (chance * (1.0 - reflects)));
         return BsdfSample(-wo, 1.0, 0.0, weight, true, true);
     }
     let eta = relative_index(material, front);
@@ -140,7 +145,7 @@ fn sample_smooth(material: Material, frame: Frame, wo: vec3<f32>, choice: f32, c
     // > 0: at cosines of 0 all is reflected
     let adjoint = adjoint_cosines(frame, wo, at.through, mode) * (cos_o / max(cos_t, 1e-20));
     let scale = select(adjoint, 1.0 / (eta * eta), mode == TRANSPORT_RADIANCE);
-    let layers = layers_over(material, true, select(cos_t, cos_o, front));
+    let layers = layers_over(material, frame, true, select(cos_t, cos_o, front), select(at.through, wo, front));
     return BsdfSample(at.through, 1.0, 0.0, at.split.transmitted * (scale * layers / (chance * (1.0 - reflects))), true, true);
 }
 
@@ -151,15 +156,16 @@ fn sample_smooth_reflection(material: Material, frame: Frame, wo: vec3<f32>, u: 
     }
     let to_camera = select(mirrored.wi, wo, mode == TRANSPORT_RADIANCE);
     let split = smooth_interface(material, frame, to_camera, mirrored.cosine).split;
-    let layers = layers_over(material, dot(frame.ng, wo) > 0.0, mirrored.cosine);
+    let layers = layers_over(material, frame, dot(frame.ng, wo) > 0.0, mirrored.cosine, to_camera);
     let weight = layers * adjoint_cosines(frame, wo, mirrored.wi, mode) / (chance * mirrored.chance);
     return BsdfSample(mirrored.wi, 1.0, 0.0, split.reflected * weight, true, false);
 }
 
-/// What covers a smooth interface, at a cosine.
-fn layers_over(material: Material, front: bool, mu: f32) -> f32 {
+/// What covers a smooth interface, at a cosine; a coat with a normal of its own by that, from w.
+fn layers_over(material: Material, frame: Frame, front: bool, mu: f32, w: vec3<f32>) -> f32 {
     if (!may_have(FEATURE_LAYERS) || material.kind != SURFACE_METALLIC_ROUGHNESS || !has_layers(material, front)) {
         return 1.0;
     }
-    return layers_through(material, coat_through(material, mu), curve_at(material.curves.sheen, mu));
+    let coat_mu = select(mu, facing(coat_frame(material, frame), w), coat_leans(material));
+    return layers_through(material, coat_through(material, coat_mu), curve_at(material.curves.sheen, mu));
 }

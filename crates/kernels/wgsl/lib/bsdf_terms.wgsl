@@ -70,9 +70,10 @@ struct Met {
     chances: Lobes,
 }
 
-fn meet(material: Material, front: bool, w: vec3<f32>) -> Met {
+/// coat: its normal, in the same basis.
+fn meet(material: Material, front: bool, coat: vec3<f32>, w: vec3<f32>) -> Met {
     let up = vec3<f32>(w.xy, abs(w.z));
-    let aspect = aspect_at(material, front, up);
+    let aspect = aspect_at(material, front, up, coat_cosine(material, coat, w));
     return Met(w, aspect, lobe_chances(material, front, up.z, aspect));
 }
 
@@ -84,10 +85,11 @@ fn lobe_terms(material: Material, front: bool, o: Met, i: Met) -> BsdfTerms {
         return transmitted_terms(material, front, o, i, terms);
     }
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS) && has_layers(material, front)) {
-        let coat = coat_terms(material, o.chances.coat, i.chances.coat, o.w, i.w);
-        terms.f = terms.f * layers_between(material, o.aspect.layers, i.aspect.layers) + coat.f;
-        terms.pdf_fwd += coat.pdf_fwd;
-        terms.pdf_rev += coat.pdf_rev;
+        terms.f *= layers_between(material, o.aspect.layers, i.aspect.layers);
+        if (!coat_leans(material)) {
+            let coat = coat_terms(material, o.chances.coat, i.chances.coat, o.w, i.w);
+            terms = BsdfTerms(terms.f + coat.f, terms.pdf_fwd + coat.pdf_fwd, terms.pdf_rev + coat.pdf_rev);
+        }
     }
     return terms;
 }
@@ -156,11 +158,11 @@ fn parts_of(seen: Seen, wi: vec3<f32>) -> u32 {
 
 /// f times the light's cosine and the forward density of local directions, about the normal seen from
 /// wo; the reverse as far as it is seen about the same normal and not folded (`sees_alike`). One loop, so
-/// that a kernel holds its code once.
-fn seen_terms(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>, about_ng: f32) -> BsdfTerms {
+/// that a kernel holds its code once. under: `coat_leaning_between`.
+fn seen_terms(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>, about_ng: f32, under: f32) -> BsdfTerms {
     let cos_g = dot(seen.ng, wi);
     let reflects = cos_g > 0.0;
-    let o = meet(material, seen.front, wo);
+    let o = meet(material, seen.front, seen.coat, wo);
     var terms = no_terms();
     if (reflects) {
         terms.pdf_fwd = o.chances.reflected * INV_PI * mix(max(wi.z, 0.0), cos_g, about_ng);
@@ -169,7 +171,7 @@ fn seen_terms(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>, abou
     while (parts != 0u) { // at most 3 times
         let part = firstTrailingBit(parts);
         parts &= parts - 1u;
-        let i = meet(material, seen.front == reflects, part_direction(seen, wi, part));
+        let i = meet(material, seen.front == reflects, seen.coat, part_direction(seen, wi, part));
         var weight = abs(i.w.z);
         if (part == PART_CUT_OFF) {
             weight = share_cut_off(seen.ng.z) * cos_g;
@@ -187,6 +189,29 @@ fn seen_terms(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>, abou
             terms.pdf_rev += i.chances.reflected * INV_PI * dot(seen.ng, wo);
         }
     }
+    terms.f *= under;
+    if (coat_leans(material) && reflects && has_layers(material, seen.front)) {
+        let coat = leaning_coat_terms(material, seen, o.chances.coat, wo, wi);
+        terms = BsdfTerms(terms.f + coat.f, terms.pdf_fwd + coat.pdf_fwd, terms.pdf_rev + coat.pdf_rev);
+    }
+    return terms;
+}
+
+/// The same of a coat with a normal of its own, for directions on one side of the surface: its lobe, and
+/// what of it the surface mirrors. chance: of the coat, seen from wo.
+fn leaning_coat_terms(material: Material, seen: Seen, chance: f32, wo: vec3<f32>, wi: vec3<f32>) -> BsdfTerms {
+    let basis = frame_from_normal(seen.coat);
+    let back = meet(material, seen.front, seen.coat, wi).chances.coat;
+    var terms = no_terms();
+    for (var part = PART_DIRECT; part <= PART_FOLDED; part += 1u) {
+        let i = part_direction(seen, wi, part) * basis;
+        if (i.z > 0.0) {
+            let lobe = coat_terms(material, chance, back, wo * basis, i);
+            terms.f += i.z * lobe.f;
+            terms.pdf_fwd += lobe.pdf_fwd;
+            terms.pdf_rev += select(0.0, lobe.pdf_rev, part == PART_DIRECT);
+        }
+    }
     return terms;
 }
 
@@ -199,12 +224,18 @@ fn part_direction(seen: Seen, wi: vec3<f32>, part: u32) -> vec3<f32> {
 
 /// Whether a surface is seen about the same normal from the light as from the camera, with nothing of
 /// the camera's direction folded: what is met there is then the same with the roles exchanged.
-fn sees_alike(seen: Seen, frame: Frame, to_camera: vec3<f32>, to_light: vec3<f32>) -> bool {
+fn sees_alike(material: Material, seen: Seen, frame: Frame, to_camera: vec3<f32>, to_light: vec3<f32>) -> bool {
     let side = select(-1.0, 1.0, seen.front);
     let light_side = select(-1.0, 1.0, dot(frame.ng, to_light) > 0.0);
     let unturned = side * dot(frame.ns, to_camera) >= LEAST_SEEN_COSINE
         && light_side * dot(frame.ns, to_light) >= LEAST_SEEN_COSINE;
-    return unturned && folded(seen.ng, to_camera * seen.basis).z < 0.0;
+    let mirrored = folded(seen.ng, to_camera * seen.basis);
+    var coat_unturned = true;
+    if (coat_leans(material)) {
+        coat_unturned = side * dot(frame.coat_ns, to_camera) >= LEAST_SEEN_COSINE
+            && light_side * dot(frame.coat_ns, to_light) >= LEAST_SEEN_COSINE && dot(seen.coat, mirrored) < 0.0;
+    }
+    return unturned && mirrored.z < 0.0 && coat_unturned;
 }
 
 /// f times the light's cosine, and the densities of the light's direction on a camera path (pdf_fwd) and
@@ -214,13 +245,14 @@ fn interface_terms(material: Material, frame: Frame, to_camera: vec3<f32>, to_li
     var from_direction = to_camera;
     var to_direction = to_light;
     var n_views = 1u;
+    let under = coat_leaning_between(material, frame, to_camera, to_light);
     for (var view = 0u; view < n_views; view += 1u) {
         let seen = see_from(material, frame, from_direction);
         let about_ng = select(share_cut_off(seen.ng.z), 1.0, view != 0u);
-        let part = seen_terms(material, seen, from_direction * seen.basis, to_direction * seen.basis, about_ng);
+        let part = seen_terms(material, seen, from_direction * seen.basis, to_direction * seen.basis, about_ng, under);
         if (view == 0u) {
             terms = part;
-            n_views = select(2u, 1u, sees_alike(seen, frame, to_camera, to_light));
+            n_views = select(2u, 1u, sees_alike(material, seen, frame, to_camera, to_light));
         } else {
             terms.pdf_rev = part.pdf_fwd;
         }

@@ -43,6 +43,8 @@ const FEATURE_LIGHT_GROUPS: u32 = 524288u;
 const FEATURE_WIDE: u32 = 1048576u;
 /// Surfaces with an inside whose index differs by colour.
 const FEATURE_DISPERSION: u32 = 2097152u;
+/// Coats whose normals are not those of the surface below.
+const FEATURE_COAT_NORMALS: u32 = 4194304u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {

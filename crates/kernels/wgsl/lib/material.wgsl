@@ -30,6 +30,8 @@ const MATERIAL_SINGLE_BOUNCE: u32 = 128u;
 const MATERIAL_TRANSMITS: u32 = 256u;
 /// Its index of refraction differs by colour (lib/dispersion.wgsl).
 const MATERIAL_DISPERSES: u32 = 512u;
+/// Its coat has a normal of its own.
+const MATERIAL_COAT_NORMAL: u32 = 1024u;
 
 /// A record: the scene's values, unchanged.
 struct RawMaterial {
@@ -109,6 +111,8 @@ struct Frame {
     tangent: vec3<f32>,
     /// The bitangent is bitangent_sign · cross(ns, tangent).
     bitangent_sign: f32,
+    /// As ns, of a coat that has a normal of its own.
+    coat_ns: vec3<f32>,
 }
 
 /// α of a roughness along and across; 0 and 0 for a smooth surface.
@@ -170,6 +174,11 @@ fn bounces_on(material: Material) -> bool {
 
 fn has_inside(flags: u32) -> bool {
     return may_have(FEATURE_INSIDES) && (flags & MATERIAL_INSIDE) != 0u;
+}
+
+/// Whether the coat has a normal of its own.
+fn coat_leans(material: Material) -> bool {
+    return may_have(FEATURE_COAT_NORMALS) && (material.flags & MATERIAL_COAT_NORMAL) != 0u;
 }
 
 /// Whether what it transmits is bent, into an inside.

@@ -13,7 +13,8 @@ fn probe_material(index: u32, u: vec4<f32>, colour: vec4<f32>) -> Material {
     let kind = index % 6u;
     let roughness = select(vec2<f32>(0.0), 0.2 + 0.6 * u.yw, (index / 6u) % 2u == 1u);
     let flags = MATERIAL_COMPLEX * ((index / 12u) % 2u) + MATERIAL_INSIDE * ((index / 24u) % 2u)
-        + MATERIAL_NONLINEAR * ((index / 12u) % 2u) + MATERIAL_SQUARED * ((index / 48u) % 2u);
+        + MATERIAL_NONLINEAR * ((index / 12u) % 2u) + MATERIAL_SQUARED * ((index / 48u) % 2u)
+        + MATERIAL_COAT_NORMAL * ((index / 96u) % 2u);
     let raw = RawMaterial(kind, flags, colour.xyz, vec3<f32>(1.0), 1.1 + colour.w, colour.zyx, 0.8, roughness, 0.4, 0.5,
         vec4<f32>(0.3, 0.5, 0.2, 0.7), vec3<f32>(0.6, 0.4, 0.3), vec2<f32>(0.8, 0.6));
     return finish_material(raw, probe_albedos());
@@ -28,7 +29,7 @@ fn probe_bsdf(@builtin(global_invocation_id) id: vec3<u32>) {
     let ng = probe_unit(probe_input(id.x, 1u).xyz);
     let tilted = normalize(ng + 0.2 * sin_quarter(0.5) * probe_input(id.x, 2u).xyz / (1.0 + length(probe_input(id.x, 2u).xyz)));
     let wo = probe_unit(probe_input(id.x, 2u).xyz);
-    let frame = Frame(ng, tilted, frame_from_normal(tilted)[1], 1.0);
+    let frame = Frame(ng, tilted, frame_from_normal(tilted)[1], 1.0, normalize(ng + tilted));
     let material = probe_material(id.x, u, fract(abs(probe_input(id.x, 3u))));
     let mode = (id.x / 7u) % 2u;
     let sampled = bsdf_sample(material, frame, wo, u.xyz, mode);

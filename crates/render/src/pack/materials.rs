@@ -3,10 +3,10 @@
 
 use glam::Vec3;
 use midway_kernels::constants as k;
-use midway_scene::{ConductorFresnel, Material, MetallicRoughness, Roughness, Sides, Surface};
+use midway_scene::{CoatNormal, ConductorFresnel, Material, MetallicRoughness, Roughness, Sides, Surface};
 
 use super::{Word4, word4};
-use crate::features::transmits_density;
+use crate::features::{has_coat_normal, transmits_density};
 
 /// What a record holds, in the terms of `RawMaterial`.
 #[derive(Default)]
@@ -39,8 +39,10 @@ pub(super) fn pack_material(material: &Material, slot_flags: u32) -> [Word4; k::
     let emits_back = if material.emits == Sides::Both { k::MATERIAL_EMITS_BACK } else { 0 };
     let transmits = if transmits_density(&material.surface) { k::MATERIAL_TRANSMITS } else { 0 };
     let spread = material.surface.ior_spread();
+    let coat_normal = if has_coat_normal(material) { k::MATERIAL_COAT_NORMAL } else { 0 };
     let disperses = if spread > 0.0 { k::MATERIAL_DISPERSES } else { 0 };
-    let flags = record.flags | slot_flags | emits_back | front_only(material) | transmits | disperses;
+    let flags =
+        record.flags | slot_flags | emits_back | front_only(material) | transmits | disperses | coat_normal;
     let [a, b] = record.roughness;
     let float4 = |v: [f32; 4]| v.map(f32::to_bits);
     let [x, y, z] = record.k_or_coat;
@@ -52,7 +54,7 @@ pub(super) fn pack_material(material: &Material, slot_flags: u32) -> [Word4; k::
         float4([a, b, record.metallic, record.transmission]),
         float4(record.eta_or_sheen),
         float4([x, y, z, sine_within_a_quarter_turn(record.rotation)]),
-        float4([spread, 0.0, 0.0, 0.0]),
+        float4([spread, coat_scale(&material.surface), 0.0, 0.0]),
     ]
 }
 
@@ -64,6 +66,17 @@ fn front_only(material: &Material) -> u32 {
         _ => false,
     };
     if material.scatters == Sides::Front && !transmits { k::MATERIAL_FRONT_ONLY } else { 0 }
+}
+
+/// The scale of a coat's normal map.
+fn coat_scale(surface: &Surface) -> f32 {
+    match surface {
+        Surface::MetallicRoughness(model) => match &model.clearcoat_normal {
+            CoatNormal::Map(map) => map.scale,
+            _ => 0.0,
+        },
+        _ => 0.0,
+    }
 }
 
 /// Half a turn changes no ellipse, so that the cosine may be taken as positive.

@@ -2,8 +2,8 @@
 
 use midway_kernels::constants as k;
 use midway_scene::{
-    Channel, ColorInput, ConductorFresnel, Material, MetallicRoughness, Opacity, Roughness, ScalarInput,
-    Scene, Surface, Texture,
+    Channel, CoatNormal, ColorInput, ConductorFresnel, Material, MetallicRoughness, Opacity, Roughness,
+    ScalarInput, Scene, Surface, Texture,
 };
 
 use super::{
@@ -139,6 +139,9 @@ impl Writer<'_> {
             (k::SLOT_ANISOTROPY, &model.anisotropy),
         ] {
             self.scalar(slot, input);
+        }
+        if let CoatNormal::Map(map) = &model.clearcoat_normal {
+            self.texture(k::SLOT_CLEARCOAT_NORMAL, &map.texture, Channel::R);
         }
         if let Some(texture) = &model.anisotropy_direction {
             self.texture(k::SLOT_ANISOTROPY_DIRECTION, texture, Channel::R);

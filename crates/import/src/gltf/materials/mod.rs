@@ -63,7 +63,7 @@ impl Reader<'_, '_> {
         Ok(Material {
             name: material.name(),
             opacity: self.opacity(material, &base)?,
-            normal_map: if unlit { None } else { self.normal_map(material)? },
+            normal_map: if unlit { None } else { self.normal_map(material, "normalTexture")? },
             emission,
             emits: if material.bool_or("doubleSided", false)? { Sides::Both } else { Sides::Front },
             ..Material::new(surface)
@@ -136,9 +136,9 @@ impl Reader<'_, '_> {
         self.textures.color(emission, material, "emissiveTexture", self.warnings)
     }
 
-    fn normal_map(&mut self, material: &Json) -> Result<Option<NormalMap>, ImportError> {
-        let texture = self.textures.texture(material, "normalTexture", Encoding::Normal, self.warnings)?;
-        let scale = material.get("normalTexture").map_or(Ok(1.0), |info| info.float_or("scale", 1.0))?;
+    fn normal_map(&mut self, holder: &Json, key: &str) -> Result<Option<NormalMap>, ImportError> {
+        let texture = self.textures.texture(holder, key, Encoding::Normal, self.warnings)?;
+        let scale = holder.get(key).map_or(Ok(1.0), |info| info.float_or("scale", 1.0))?;
         Ok(texture.map(|texture| NormalMap { texture, scale }))
     }
 

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use midway_scene::{
-    Channel, ColorInput, ConductorFresnel, MAX_DISPERSION, MetallicRoughness, Roughness, ScalarInput, Surface,
+    Channel, CoatNormal, ColorInput, ConductorFresnel, MAX_DISPERSION, MetallicRoughness, Roughness,
+    ScalarInput, Surface,
 };
 
 use super::{Base, Reader, glossiness};
@@ -132,9 +133,9 @@ impl Reader<'_, '_> {
         model.clearcoat = self.scalar(&coat, ("clearcoatFactor", 0.0), ("clearcoatTexture", Channel::R))?;
         let texture = ("clearcoatRoughnessTexture", Channel::G);
         model.clearcoat_roughness = self.scalar(&coat, ("clearcoatRoughnessFactor", 0.0), texture)?;
-        if coat.get("clearcoatNormalTexture").is_some() {
-            let message = "normal maps of clear coats are not used: the coat follows the surface below";
-            self.warnings.add(WarningKind::Texture, coat.pointer(), message);
+        if model.clearcoat.value > 0.0 {
+            let map = self.normal_map(&coat, "clearcoatNormalTexture")?;
+            model.clearcoat_normal = map.map_or(CoatNormal::Mesh, CoatNormal::Map);
         }
         Ok(())
     }
