@@ -3,7 +3,7 @@
 use midway_film::Image;
 use midway_tests::{
     estimate::{cpu, gpu, render},
-    integrators, own,
+    integrators, own, scenes,
 };
 
 use crate::support::{Report, in_turn, settings};
@@ -47,6 +47,19 @@ fn a_gpu_renders_the_same_samples_as_the_cpu() {
         }
     }
     report.finish();
+}
+
+/// Coats and what they cover, leaning apart.
+#[test]
+fn a_gpu_renders_leaning_coats_as_the_cpu_does() {
+    let _turn = in_turn();
+    let Some(gpu) = gpu() else { return };
+    let scene = scenes::leaning_materials_room();
+    let settings = settings(SIZE, integrators::full().settings, 7);
+    let images = [&gpu, &cpu()].map(|device| render(device, &scene, &settings, SAMPLES));
+    let share = share_of_agreeing_pixels(&images[0], &images[1]);
+    println!("{:.2} % of pixels", 100.0 * share);
+    assert!(share >= AGREEING && !images[1].is_black(), "{share}");
 }
 
 #[test]
