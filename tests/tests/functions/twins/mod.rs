@@ -48,6 +48,7 @@ const PROBES: &[(&str, Tolerance)] = &[
     ("probe_camera", CAMERA),
     ("probe_light", CELLS),
     ("probe_pixel_filter", FILTER),
+    ("probe_dispersion", BRANCHES),
 ];
 
 /// Film coordinates are to some hundreds of pixels, and their error is one of the whole film, or of
