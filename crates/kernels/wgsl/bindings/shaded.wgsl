@@ -36,6 +36,7 @@ fn shade_point(point: RawPoint, throughput: vec3<f32>) -> Shaded {
     return Shaded(point.surface, finish_material(raw, load_albedos(raw)));
 }
 
+/// The same of a surface whose record is not loaded yet.
 fn shade_surface(surface: Surface, throughput: vec3<f32>) -> Shaded {
     return shade_point(load_raw_point(surface), throughput);
 }

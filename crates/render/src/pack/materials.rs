@@ -68,15 +68,14 @@ fn front_only(material: &Material) -> u32 {
     if material.scatters == Sides::Front && !transmits { k::MATERIAL_FRONT_ONLY } else { 0 }
 }
 
-/// The scale of a coat's normal map.
+/// The scale of a coat's normal map, 0 where there is none.
 fn coat_scale(surface: &Surface) -> f32 {
-    match surface {
-        Surface::MetallicRoughness(model) => match &model.clearcoat_normal {
-            CoatNormal::Map(map) => map.scale,
-            _ => 0.0,
-        },
-        _ => 0.0,
+    if let Surface::MetallicRoughness(model) = surface
+        && let CoatNormal::Map(map) = &model.clearcoat_normal
+    {
+        return map.scale;
     }
+    0.0
 }
 
 /// Half a turn changes no ellipse, so that the cosine may be taken as positive.
