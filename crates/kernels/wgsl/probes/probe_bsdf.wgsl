@@ -11,12 +11,15 @@ fn probe_albedos() -> Albedos {
 
 fn probe_material(index: u32, u: vec4<f32>, colour: vec4<f32>) -> Material {
     let kind = index % 6u;
-    let roughness = select(vec2<f32>(0.0), 0.2 + 0.6 * u.yw, (index / 6u) % 2u == 1u);
+    let is_rough = (index / 6u) % 2u == 1u;
+    let roughness = select(vec2<f32>(0.0), 0.2 + 0.6 * u.yw, is_rough);
+    // Stretched, what is smooth across would be rough along: a lobe as sharp as rounding.
+    let anisotropy = select(0.0, 0.3, is_rough);
     let flags = MATERIAL_COMPLEX * ((index / 12u) % 2u) + MATERIAL_INSIDE * ((index / 24u) % 2u)
         + MATERIAL_NONLINEAR * ((index / 12u) % 2u) + MATERIAL_SQUARED * ((index / 48u) % 2u)
         + MATERIAL_COAT_NORMAL * ((index / 96u) % 2u);
     let raw = RawMaterial(kind, flags, colour.xyz, vec3<f32>(1.0), 1.1 + colour.w, colour.zyx, 0.8, roughness, 0.4, 0.5,
-        vec4<f32>(0.3, 0.5, 0.2, 0.7), vec3<f32>(0.6, 0.4, 0.3), vec2<f32>(0.8, 0.6));
+        vec4<f32>(0.3, 0.5, 0.2, 0.7), vec3<f32>(0.6, 0.4, anisotropy), vec2<f32>(0.8, 0.6));
     return finish_material(raw, probe_albedos());
 }
 
