@@ -22,6 +22,12 @@ pub enum DeviceError {
         /// The names that contain it.
         matches: Vec<String>,
     },
+    /// Several names mean the same device.
+    #[error("device '{device}' was given twice")]
+    GivenTwice {
+        /// The device's name.
+        device: String,
+    },
     /// A GPU was asked for and there is none.
     #[error(
         "no GPU was found (is its driver with Vulkan, Metal or DX12 installed?); this machine has: {}",

@@ -22,6 +22,6 @@ pub use error::DeviceError;
 pub use gpu::GpuDevice;
 pub use plan::MemoryPlan;
 pub use resource::{BoundKernel, Buffer, BufferUsage, Command, Pipeline};
-pub use select::{OpenOptions, keep_drivers_quiet, list_devices, open_device};
+pub use select::{OpenOptions, keep_drivers_quiet, list_devices, open_device, open_devices};
 pub use units::Bytes;
 pub use wgsl_cpu::{Binding, BindingKind, Kernel};

@@ -51,6 +51,31 @@ pub fn open_device(choice: &str, options: &OpenOptions) -> Result<Arc<dyn Device
     Ok(Arc::new(GpuDevice::open(found.swap_remove(index), options.cache_folder.as_deref())?))
 }
 
+/// Opens several devices for one job, each once: `all` means every real GPU, and names as
+/// [`open_device`] takes them may be given with commas between them.
+///
+/// # Errors
+/// As [`open_device`]; [`DeviceError::GivenTwice`] where two names mean one device.
+pub fn open_devices(choice: &str, options: &OpenOptions) -> Result<Vec<Arc<dyn Device>>, DeviceError> {
+    if choice.eq_ignore_ascii_case("all") {
+        let real: Vec<_> = adapter::enumerate().into_iter().filter(is_real).collect();
+        if real.is_empty() {
+            return Err(DeviceError::NoGpu { available: names(&list_devices()) });
+        }
+        let open = |found| Ok(Arc::new(GpuDevice::open(found, options.cache_folder.as_deref())?) as Arc<_>);
+        return real.into_iter().map(open).collect();
+    }
+    let mut opened: Vec<Arc<dyn Device>> = Vec::new();
+    for name in choice.split(',') {
+        let device = open_device(name.trim(), options)?;
+        if opened.iter().any(|other| other.info().name == device.info().name) {
+            return Err(DeviceError::GivenTwice { device: device.info().name.clone() });
+        }
+        opened.push(device);
+    }
+    Ok(opened)
+}
+
 /// Keeps Mesa's Vulkan layer from telling the terminal of a desktop that is not there. For a
 /// program's first line; what the user has set stays.
 ///

@@ -30,6 +30,7 @@ mod record;
 mod renderer;
 mod settings;
 mod sizes;
+mod team;
 mod world;
 
 pub use aov::Aov;
@@ -44,3 +45,4 @@ pub use settings::{
     Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy,
     PixelFilter, RenderSettings, Rng,
 };
+pub use team::Team;

@@ -3,6 +3,7 @@
 mod display;
 mod groups;
 mod live;
+mod shared;
 
 use std::{
     sync::{
@@ -87,6 +88,8 @@ pub struct Renderer {
     aovs: Aovs,
     mean_light_vertices: f32,
     samples: u64,
+    /// The number of the next sample: `samples`, unless others render some of the numbers.
+    next_sample: u64,
     pass: Option<Pass>,
     /// What lanes counted that are no more.
     carried: LaneTotals,
@@ -190,6 +193,7 @@ impl Renderer {
             aovs,
             mean_light_vertices,
             samples: 0,
+            next_sample: 0,
             pass: None,
             carried: LaneTotals::default(),
             encoder: None,
@@ -262,8 +266,8 @@ impl Renderer {
             self.pass = Some(pass);
             return Ok(None);
         }
-        self.aovs.measure(&*self.device, &params, pass.n_samples)?;
-        self.samples += u64::from(pass.n_samples);
+        self.count_samples(pass.n_samples)?;
+        self.next_sample += u64::from(pass.n_samples);
         Ok(Some(u64::from(pass.n_samples)))
     }
 
@@ -272,10 +276,17 @@ impl Renderer {
         self.pass.as_ref().map(|pass| f64::from(pass.next) / f64::from(pass.n_places))
     }
 
-    fn begin_pass(&self, max_samples: u64) -> Result<Pass, RenderError> {
-        let largest = self.aovs.largest_pass(self.samples).min(max_samples.max(1));
-        let n_samples = self.samples_per_pass().min(u32::try_from(largest).unwrap_or(u32::MAX));
+    /// Counts `n` samples that are on the film, and measures its layers after them.
+    fn count_samples(&mut self, n: u32) -> Result<(), RenderError> {
         let params = Params { first_sample: self.samples as u32, ..self.base };
+        self.aovs.measure(&*self.device, &params, n)?;
+        self.samples += u64::from(n);
+        Ok(())
+    }
+
+    fn begin_pass(&self, max_samples: u64) -> Result<Pass, RenderError> {
+        let n_samples = self.next_pass(max_samples);
+        let params = Params { first_sample: self.next_sample as u32, ..self.base };
         if self.pool.is_some() {
             self.trace_pool(&params)?;
         }
@@ -343,7 +354,7 @@ impl Renderer {
     pub fn restart(&mut self) -> Result<(), RenderError> {
         self.device.run(&[midway_device::Command::Clear(self.film.clone())], false)?;
         self.aovs.restart(&*self.device)?;
-        (self.samples, self.pass) = (0, None);
+        (self.samples, self.next_sample, self.pass) = (0, 0, None);
         Ok(())
     }
 
@@ -394,6 +405,12 @@ impl Renderer {
             sum = sum + lane.totals(&*self.device)?;
         }
         Ok(sum)
+    }
+
+    /// Samples of the next pass, of at most `max_samples`.
+    fn next_pass(&self, max_samples: u64) -> u32 {
+        let largest = self.aovs.largest_pass(self.samples).min(max_samples.max(1));
+        self.samples_per_pass().min(u32::try_from(largest).unwrap_or(u32::MAX))
     }
 
     /// Samples of a pass: a pool is made for one sample of every pixel; else as many as fill the lanes.

@@ -21,3 +21,4 @@ mod repeatability;
 mod same_scene;
 mod strategies;
 mod support;
+mod teams;

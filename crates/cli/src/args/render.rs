@@ -166,8 +166,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "RADIANCE", value_parser = positive_f32, help_heading = "Bias (all of it written to the header)")]
     pub clamp: Option<f32>,
 
-    /// `auto` takes a GPU if there is one, else the CPU; see `midway devices`.
-    #[arg(long, value_name = "auto|cpu|gpu|NAME", default_value = "auto", help_heading = "Device")]
+    /// `auto` takes a GPU if there is one, else the CPU; see `midway devices`. `all` GPUs, or names with
+    /// commas between them, share the samples.
+    #[arg(
+        long,
+        value_name = "auto|cpu|gpu|all|NAME[,NAME]",
+        default_value = "auto",
+        help_heading = "Device"
+    )]
     pub device: String,
     /// Threads of the CPU device [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Device")]

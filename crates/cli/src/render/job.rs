@@ -1,12 +1,12 @@
 //! The renderer, as the rest of the program sees it: flags in, images and failures out.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
-use midway_device::{Device, MemoryPlan};
+use midway_device::{Device, DeviceInfo, MemoryPlan};
 use midway_film::{Channel, Image};
 use midway_render::{
     Choice, Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, PixelFilter,
-    RenderError, RenderSettings, RenderStats, Renderer, Rng,
+    RenderError, RenderSettings, RenderStats, Renderer, Rng, Team,
 };
 use midway_scene::Scene;
 
@@ -16,78 +16,85 @@ use crate::{
     status::{Failure, Outcome, Status},
 };
 
+/// Several devices render this long before they are looked at: what one has then begun, others wait for.
+const ROUND: Duration = Duration::from_millis(200);
+
 /// A render in progress.
 pub struct RenderJob {
-    renderer: Renderer,
+    team: Team,
     stats: RenderStats,
 }
 
 impl RenderJob {
-    /// Packs the scene and takes the device's memory.
+    /// Packs the scene and takes the devices' memory.
     ///
     /// # Errors
     /// With the status of [`failure`].
     pub fn start(
-        device: Arc<dyn Device>,
+        devices: &[Arc<dyn Device>],
         scene: &Scene,
         frame: &Frame,
-        settings: RenderSettings,
+        settings: &RenderSettings,
         tell: impl FnOnce(&MemoryPlan),
     ) -> Outcome<Self> {
-        let renderer = Renderer::with_plan(device, scene, &frame.camera, settings, tell).map_err(failure)?;
-        Ok(Self { renderer, stats: RenderStats::default() })
+        let team = Team::new(devices, scene, &frame.camera, settings, tell).map_err(failure)?;
+        Ok(Self { team, stats: RenderStats::default() })
     }
 
-    /// Goes on by the integrator that `auto` chooses.
+    /// Goes on by the integrator that `auto` chooses, on the first device.
     ///
     /// # Errors
     /// With the status of [`failure`].
     pub fn choose(&mut self) -> Outcome<Choice> {
-        let choice = midway_render::choose(&self.renderer).map_err(failure)?;
-        let settings = self.renderer.settings().clone();
+        let choice = midway_render::choose(self.team.lead()).map_err(failure)?;
+        let settings = self.team.lead().settings().clone();
         let chosen = RenderSettings { integrator: choice.integrator(), ..settings };
-        self.renderer.set_settings(chosen).map_err(failure)?;
+        self.team.set_settings(&chosen).map_err(failure)?;
         Ok(choice)
     }
 
     /// The integrator with its options, for people and headers.
     pub fn integrator(&self) -> String {
-        self.renderer.settings().integrator.describe()
+        self.team.lead().settings().integrator.describe()
     }
 
     /// Every bias that was asked for.
     pub fn bias(&self) -> Vec<String> {
-        self.renderer.settings().bias()
+        self.team.lead().settings().bias()
     }
 
     /// Where its random numbers come from, for headers.
     pub fn rng(&self) -> String {
-        self.renderer.settings().rng.describe()
+        self.team.lead().settings().rng.describe()
     }
 
     /// The pixel filter, for headers.
     pub fn filter(&self) -> String {
-        self.renderer.settings().filter.describe()
+        self.team.lead().settings().filter.describe()
     }
 
-    /// The renderer itself.
-    pub fn renderer(&mut self) -> &mut Renderer {
-        &mut self.renderer
+    /// The renderer that has all samples so far.
+    ///
+    /// # Errors
+    /// If a device fails.
+    pub fn renderer(&mut self) -> Outcome<&mut Renderer> {
+        self.team.gathered().map_err(failure)
     }
 
     /// The channels of the layers that were asked for.
     ///
     /// # Errors
     /// If the device fails.
-    pub fn channels(&self) -> Outcome<Vec<Channel>> {
-        let mut channels = self.renderer.channels().map_err(failure)?;
-        channels.extend(self.renderer.group_channels().map_err(failure)?);
+    pub fn channels(&mut self) -> Outcome<Vec<Channel>> {
+        let renderer = self.renderer()?;
+        let mut channels = renderer.channels().map_err(failure)?;
+        channels.extend(renderer.group_channels().map_err(failure)?);
         Ok(channels)
     }
 
-    /// The buffers that it took.
+    /// The buffers that it took on the first device.
     pub fn memory(&self) -> &MemoryPlan {
-        self.renderer.plan()
+        self.team.lead().plan()
     }
 
     /// What it had counted after the last pass.
@@ -98,13 +105,13 @@ impl RenderJob {
 
 impl Job for RenderJob {
     fn step(&mut self, limit: u64) -> Outcome {
-        self.renderer.step(limit.min(u32::MAX.into())).map_err(failure)?;
-        self.stats = self.renderer.stats().map_err(failure)?;
+        self.team.step(limit.min(u32::MAX.into()), ROUND).map_err(failure)?;
+        self.stats = self.team.stats().map_err(failure)?;
         Ok(())
     }
 
     fn samples(&self) -> u64 {
-        self.renderer.samples()
+        self.team.samples()
     }
 
     fn rays(&self) -> u64 {
@@ -112,8 +119,14 @@ impl Job for RenderJob {
     }
 
     fn image(&mut self) -> Outcome<Image> {
-        self.renderer.image().map_err(failure)
+        self.renderer()?.image().map_err(failure)
     }
+}
+
+/// The first device's limits, by the names of all.
+pub fn common_info(devices: &[Arc<dyn Device>]) -> DeviceInfo {
+    let names: Vec<&str> = devices.iter().map(|device| device.info().name.as_str()).collect();
+    DeviceInfo { name: names.join(" + "), ..devices[0].info().clone() }
 }
 
 /// The exit code of each way in which a render can fail.

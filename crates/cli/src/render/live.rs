@@ -114,7 +114,7 @@ impl Served {
     /// [`Status::Device`] if the device fails.
     pub fn publish(&mut self, job: &mut RenderJob, state: &State, info: &DeviceInfo) -> Outcome {
         let stats = *job.stats();
-        self.publisher.publish(job.renderer(), &stats, state.seconds(), info).or_status(Status::Device)
+        self.publisher.publish(job.renderer()?, &stats, state.seconds(), info).or_status(Status::Device)
     }
 }
 

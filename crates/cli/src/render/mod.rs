@@ -14,7 +14,7 @@ mod watch;
 
 use std::{path::Path, time::Duration};
 
-use midway_device::{Bytes, MemoryPlan, OpenOptions, open_device};
+use midway_device::{Bytes, MemoryPlan, OpenOptions, open_devices};
 use midway_film::{Display, ToneMap, check_writable};
 
 use crate::{
@@ -61,18 +61,18 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     }
     let frame = Frame::resolve(args, &scene)?;
     let options = OpenOptions { threads: args.threads.map(|n| n as usize), ..OpenOptions::default() };
-    let device = open_device(&args.device, &options).or_status(Status::Device)?;
+    let devices = open_devices(&args.device, &options).or_status(Status::Device)?;
     let new_meter = |reference: &Path| ErrorMeter::new(reference, args.errors.as_deref(), &frame);
     let meter = args.reference.as_deref().map(new_meter).transpose()?;
     let settings = job::settings(args, &frame);
-    let mut header = header::of_request(args, &scene, &frame, device.info());
-    let info = device.info();
+    let info = job::common_info(&devices);
+    let mut header = header::of_request(args, &scene, &frame, &info);
     reporter.note(&format!("device: {} ({})", info.name, info.backend));
     let tell = |plan: &MemoryPlan| match args.verbose {
         true => reporter.note(&format!("memory:\n{plan}")),
         false => reporter.note(&format!("memory: {}", Bytes(plan.total()))),
     };
-    let mut job = RenderJob::start(device.clone(), &scene, &frame, settings, tell)?;
+    let mut job = RenderJob::start(&devices, &scene, &frame, &settings, tell)?;
     if args.integrator == IntegratorArg::Auto {
         let choice = job.choose()?.describe();
         reporter.note(&format!("auto, error for the same work: {choice}"));
@@ -86,7 +86,7 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     let live = Live { tev, served: args.serve.map(serve).transpose()? };
     let session = Session {
         live,
-        device: device.info().clone(),
+        device: info,
         limits: limits(args.spp, args.time),
         snapshots: watch::SnapshotClock::new(args.snapshot_every),
         framing: frame.framing(),
@@ -95,7 +95,7 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
         meter,
         header,
     };
-    session.announce(&job, device.info(), &frame)?;
+    session.announce(&job, &frame)?;
     session.render(job, &interrupt)
 }
 

@@ -47,7 +47,7 @@ impl Session {
     ///
     /// # Errors
     /// If standard output cannot take it.
-    pub fn announce(&self, job: &RenderJob, device: &DeviceInfo, frame: &Frame) -> Outcome {
+    pub fn announce(&self, job: &RenderJob, frame: &Frame) -> Outcome {
         let [width, height] = frame.image_size();
         let memory = job.memory();
         let bias = job.bias();
@@ -55,7 +55,7 @@ impl Session {
         bias.iter().for_each(|bias| self.reporter.note(&format!("bias: {bias}")));
         let outputs: Vec<_> = self.outputs.paths().map(|path| path.to_string_lossy()).collect();
         let start = json!({
-            "device": device.name, "memory_bytes": memory.total(), "integrator": job.integrator(),
+            "device": self.device.name, "memory_bytes": memory.total(), "integrator": job.integrator(),
             "bias": bias, "width": width, "height": height, "outputs": outputs,
         });
         self.reporter.event("start", &start)
@@ -102,7 +102,7 @@ impl Session {
     }
 
     /// Writes an image of the job with the layers that go with it.
-    fn write(&self, job: &RenderJob, image: &Image, header: &Metadata) -> Outcome {
+    fn write(&self, job: &mut RenderJob, image: &Image, header: &Metadata) -> Outcome {
         self.outputs.write(image, &job.channels()?, self.framing, header)
     }
 

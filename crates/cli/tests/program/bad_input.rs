@@ -91,6 +91,8 @@ fn an_unknown_device_is_4_and_lists_what_there_is() {
     sandbox.write_scene();
     let run = sandbox.expect(4, &["render", "scene.obj", "--device", "voodoo"]);
     assert!(run.error().contains("voodoo") && run.error().contains("cpu"), "{}", run.stderr);
+    let run = sandbox.expect(4, &["render", "scene.obj", "--device", "cpu, CPU"]);
+    assert!(run.error().contains("'cpu' was given twice"), "{}", run.stderr);
 }
 
 #[test]

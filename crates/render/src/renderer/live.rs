@@ -149,7 +149,7 @@ impl Renderer {
         let mut next = Self::build(Arc::clone(&self.device), kept, settings, |_| {})?;
         if keeps_samples {
             std::mem::swap(&mut next.aovs, &mut self.aovs);
-            next.samples = self.samples;
+            (next.samples, next.next_sample) = (self.samples, self.next_sample);
             let n_paths = next.lanes.first().map_or(1, |lane| lane.size().n_paths);
             next.batch.store(self.batch.load(Ordering::Relaxed).min(n_paths), Ordering::Relaxed);
         }
