@@ -19,15 +19,15 @@ use crate::sheet::{Cell, Sheet};
 
 /// The boxes, in the order of the rows.
 const BOXES: [&str; 3] = ["cornell-box", "glass-caustic", "lamp"];
-/// Scenes that people have, below the folder of scenes, each with its caption.
-const OTHERS: [(&str, &str); 3] = [
-    ("Sponza", "sponza/sponza-area.gltf"),
-    ("Veach's door", "transport/veach-ajar/veach-ajar.gltf"),
-    ("kitchen by Jay-Artist, CC BY", "transport/kitchen/kitchen.gltf"),
+/// Scenes that people have, below the folder of scenes, each with its caption and its exposure, in stops.
+const OTHERS: [(&str, &str, f32); 3] = [
+    ("Sponza by Crytek", "sponza/sponza-area.gltf", 0.0),
+    ("Veach's door by Benedikt Bitterli, CC0", "transport/veach-ajar/veach-ajar.gltf", -1.5),
+    ("kitchen by Jay-Artist, CC BY 3.0", "transport/kitchen/kitchen.gltf", 0.0),
 ];
-/// The sheets.
-const SHEETS: [(&str, &str); 2] =
-    [("materials", "scenes/material-sheet.gltf"), ("lights", "scenes/light-sheet.gltf")];
+/// The sheets, likewise.
+const SHEETS: [(&str, &str, f32); 2] =
+    [("materials", "scenes/material-sheet.gltf", 0.0), ("lights", "scenes/light-sheet.gltf", 0.0)];
 /// What the materials are shown under once more.
 const SKY: &str = "tests/scenes/mitsuba/sky.exr";
 
@@ -94,22 +94,25 @@ fn boxes(device: &Arc<dyn Device>, args: &GalleryArgs) -> Result<Vec<Vec<Cell>>>
 
 /// Two to a row, those left out that are not there.
 fn others(device: &Arc<dyn Device>, args: &GalleryArgs) -> Result<Vec<Vec<Cell>>> {
-    let far = OTHERS.map(|(label, file)| (label, args.scenes.join(file)));
-    let near = SHEETS.map(|(label, file)| (label, PathBuf::from(file)));
+    let far = OTHERS.map(|(label, file, stops)| (label, args.scenes.join(file), stops));
+    let near = SHEETS.map(|(label, file, stops)| (label, PathBuf::from(file), stops));
     let mut cells = Vec::new();
-    let mut add = |label: &str, scene: &Scene| -> Result<()> {
+    let mut add = |label: &str, scene: &Scene, stops: f32| -> Result<()> {
         let bdpt = IntegratorSettings { integrator: Integrator::Bdpt, ..IntegratorSettings::default() };
-        cells.push(render(device, scene, args, label, bdpt, args.size * 3 / 4)?);
+        let mut cell = render(device, scene, args, label, bdpt, args.size * 3 / 4)?;
+        cell.image.pixels.as_flattened_mut().iter_mut().for_each(|value| *value *= stops.exp2());
+        cells.push(cell);
         Ok(())
     };
-    for (label, path) in far.into_iter().chain(near) {
+    for (label, path, stops) in far.into_iter().chain(near) {
         if path.is_file() {
-            add(label, &midway_import::load(&path)?.scene).with_context(|| path.display().to_string())?;
+            add(label, &midway_import::load(&path)?.scene, stops)
+                .with_context(|| path.display().to_string())?;
         } else {
             println!("left out: {} is not there", path.display());
         }
     }
-    add("materials under a sky", &under_sky(midway_import::load(SHEETS[0].1.as_ref())?.scene)?)?;
+    add("materials under a sky", &under_sky(midway_import::load(SHEETS[0].1.as_ref())?.scene)?, 0.0)?;
     let mut rows = Vec::new();
     while !cells.is_empty() {
         let rest = cells.split_off(cells.len().min(2));
