@@ -115,7 +115,7 @@ fn add_environment(path: Path) {
 /// Strategy (1, t): a point on a light drawn for this vertex.
 fn sample_light(path: Path, vertex: Vertex) {
     let u = random(path.index, path.sample, dimension(DRAW_NEE, path.depth));
-    let drawn = draw_light(vertex.surface.position, u.xw);
+    let drawn = draw_light(light_place(vertex), u.xw);
     if (drawn.index == NONE) {
         return;
     }

@@ -38,8 +38,9 @@ fn shade(id: u32, path: Path) -> bool {
         return false;
     }
     if (s == 2u && uses_light_tree()) {
+        // (2) has the chance by power at y_0, which the path began by; s = 1 here draws by the tree.
         let light = light_of_path(path);
-        let ratio = light_chance_ratio(light, load_light(light), vertex.surface.position);
+        let ratio = light_chance_ratio(light, load_light(light), light_place(vertex));
         vertex.mis.dvcm *= mis_power(mis_config(), ratio);
     }
     let connectible = is_connectible(vertex.material);

@@ -106,6 +106,32 @@ impl Rng {
     }
 }
 
+/// How next-event estimation chooses a light; light paths choose by power always.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSampling {
+    /// By the tree where there are lights enough for it to pay.
+    #[default]
+    Auto,
+    /// In proportion to power, wherever it is to shine.
+    Power,
+    /// In proportion to about what arrives at the place that it is drawn for, by a tree over all lights.
+    Tree,
+}
+
+/// Lights from which the tree has the lower error at equal time (bench/NOTES.md).
+const TREE_FROM: usize = 8;
+
+impl LightSampling {
+    /// Whether so many lights are drawn by the tree.
+    pub(crate) fn uses_tree(self, n_lights: usize) -> bool {
+        match self {
+            Self::Auto => n_lights >= TREE_FROM,
+            Self::Power => false,
+            Self::Tree => n_lights > 0,
+        }
+    }
+}
+
 /// An integrator with its options; those of `bdpt` are ignored by the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorSettings {
@@ -297,6 +323,8 @@ pub struct RenderSettings {
     pub light_groups: bool,
     /// The integrator.
     pub integrator: IntegratorSettings,
+    /// How s = 1 chooses a light.
+    pub light_sampling: LightSampling,
     /// Bias: edges of a path at most.
     pub max_path_length: Option<u32>,
     /// Where random numbers come from.
@@ -318,6 +346,7 @@ impl Default for RenderSettings {
             aovs: Vec::new(),
             light_groups: false,
             integrator: IntegratorSettings::default(),
+            light_sampling: LightSampling::default(),
             max_path_length: None,
             rng: Rng::default(),
             clamp: None,

@@ -43,6 +43,12 @@ fn normal_towards(surface: Surface, direction: vec3<f32>) -> vec3<f32> {
     return select(-surface.ng, surface.ng, dot(surface.ng, direction) > 0.0);
 }
 
+/// Where a vertex's lights are drawn for: where a path begins that leaves on the side that it came from,
+/// so that one which goes on from there and hits a light finds the same chances.
+fn light_place(vertex: Vertex) -> vec3<f32> {
+    return offset_origin(vertex.surface.position, normal_towards(vertex.surface, vertex.wo));
+}
+
 /// Numbers for scattering (x, y, z) and roulette (w).
 fn scatter_numbers(path: Path, stream: u32) -> vec4<f32> {
     return random(path.index, path.sample, dimension(stream + DRAW_SCATTER, path.depth));

@@ -21,7 +21,7 @@ struct LightNode {
     /// Of the cone that holds their normals, unit, and the cosine of its half angle.
     axis: vec3<f32>,
     cos_normals: f32,
-    /// Luminance of the intensity ahead, W/sr; at infinity of the irradiance, W/m².
+    /// Luminance of the intensity ahead, W/sr, at infinity of the irradiance, W/m²; of all lights 1.
     intensity: f32,
     /// The cosine of the angle to a normal up to which there is emission.
     cos_emission: f32,
@@ -44,8 +44,8 @@ fn cos_of_difference(cos_a: f32, cos_b: f32) -> f32 {
     return cos_a * cos_b + sines;
 }
 
-/// About the irradiance, luminance in W/m², that a node's lights cause at a place, blockers left out; 0
-/// where none of them shines there.
+/// In proportion to about the irradiance that a node's lights cause at a place, blockers left out; 0 where
+/// none of them shines there.
 fn light_node_importance(node: LightNode, place: vec3<f32>) -> f32 {
     if (node.kind == LIGHT_NODE_INFINITE) {
         return min(node.intensity, MAX_LIGHT_IMPORTANCE);
@@ -54,7 +54,7 @@ fn light_node_importance(node: LightNode, place: vec3<f32>) -> f32 {
     let distance_squared = dot(between, between);
     let radius_squared = node.radius * node.radius;
     let near = node.intensity / max(max(distance_squared, radius_squared), 1e-30);
-    if (distance_squared <= radius_squared) {
+    if (distance_squared <= radius_squared || node.cos_normals <= -1.0) {
         return min(near, MAX_LIGHT_IMPORTANCE);
     }
     let ahead = dot(node.axis, between) * inverseSqrt(distance_squared);
