@@ -124,6 +124,17 @@ pub fn constant_environment() -> Known {
     Known::new("constant environment", scene, true, move |_, _| ALBEDO * radiance)
 }
 
+/// The same under a point light too: of two lights, one near and one at infinity, either is the likelier
+/// by place.
+pub fn point_and_environment() -> Known {
+    let (radiance, intensity) = (Vec3::new(0.5, 1.0, 2.0), Vec3::new(1.0, 2.0, 4.0));
+    let mut scene = lit_by(floor(), LightKind::Point { position: LAMP.as_vec3(), intensity });
+    scene.environment = Some(constant(radiance));
+    unseen_by_naive(Known::new("point light and environment", scene, true, move |x, y| {
+        ALBEDO * (radiance + intensity * (falls_on_floor(x, y).1 / PI) as f32)
+    }))
+}
+
 /// Columns and rows of [`sky_image`].
 pub const SKY: [usize; 2] = [8, 5];
 
@@ -302,13 +313,13 @@ pub fn room_with_many_lights() -> Scene {
     let mut places = (1..).map(spread).map(|u| 1.6 * u - 0.8).filter(|place| place.distance(ball) > 0.5);
     for (i, place) in places.by_ref().take(60).enumerate() {
         let direction = (2.0 * spread(1000 + i) - 1.0).normalize();
-        let along = 0.07 * direction.any_orthonormal_vector();
+        let along = 0.25 * direction.any_orthonormal_vector();
         let triangle =
             Shape::parallelogram(place, along, direction.cross(along)).split(|triangle| triangle == 0).0;
-        let mut both_sides = diffuse(Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0));
+        let mut both_sides = diffuse(Vec3::ZERO, Vec3::new(0.8, 0.5, 0.6));
         both_sides.emits = Sides::Both;
         match i % 5 {
-            0 => add(&mut scene, triangle, diffuse(Vec3::ZERO, Vec3::splat(8.0))),
+            0 => add(&mut scene, triangle, diffuse(Vec3::ZERO, Vec3::splat(1.2))),
             1 => add(&mut scene, triangle, both_sides),
             2 => lit_by_point(&mut scene, place),
             _ => lit_by_spot(&mut scene, place, direction, i),

@@ -12,7 +12,7 @@ use midway_tests::{
     lit, scenes,
 };
 
-use crate::support::{Report, estimate_with, in_turn, settings};
+use crate::support::{Report, estimate_with, in_turn, mean_bound, settings};
 
 /// Samples a pixel by `path`: about 1 s a case.
 const SAMPLES: u64 = 256;
@@ -51,6 +51,29 @@ fn integrators_agree_by_the_tree_and_by_power() {
     for case in &cases {
         let agreement = Agreement::of(&blocks(LightSampling::Tree, case, SAMPLES), &expected);
         report.check_where_reachable(&case.name(), &agreement);
+    }
+    report.finish();
+}
+
+/// A sphere lit by 256 triangles, near some places and far from others, is lit evenly; a floor under a point
+/// light and a sky has the sum of both: where strategies weighed by another chance than that of the draw,
+/// weights would not sum to 1.
+#[test]
+fn closed_forms_hold_by_the_tree() {
+    let _turn = in_turn();
+    let in_use = vec![true; scenes::SIZE * scenes::SIZE];
+    let mut report = Report::default();
+    let mut balanced = integrators::full();
+    balanced.settings.mis = Mis::Balance;
+    let cases = [integrators::path(), integrators::full(), balanced, integrators::single_step(true, false)];
+    for known in [scenes::closed_sphere_with_an_area_light(), lit::point_and_environment()] {
+        let expected = Blocks::of_expected(&known.expected, &in_use);
+        for case in &cases {
+            let settings = by(LightSampling::Tree, case, scenes::SIZE);
+            let images = estimate_with(&cpu(), &known.scene, &settings, case, SAMPLES);
+            let agreement = Agreement::of(&Blocks::of_batches(&images, &in_use), &expected);
+            report.check(&format!("{}, {}", known.name, case.name()), &agreement, Some(mean_bound()));
+        }
     }
     report.finish();
 }
