@@ -158,7 +158,9 @@ pub struct ScalingArgs {
 /// `midway bench lights`.
 #[derive(Args, Debug)]
 pub struct LightsArgs {
-    /// How many lights.
+    /// Scenes, each looked at through its first camera [default: made ones with --lights]
+    pub scenes: Vec<PathBuf>,
+    /// How many lights there are in a made scene.
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [1, 10, 100, 1000, 10_000], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub lights: Vec<u32>,
     /// How long each image takes; there are two of each kind.
