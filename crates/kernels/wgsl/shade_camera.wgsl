@@ -87,7 +87,7 @@ fn add_emission(path: Path, vertex: Vertex, t: u32) {
         let pdf_emission = pdf_position * emission_pdf_sa(cos_front, emits_back) * params.emitter_survival;
         let ending_y = ending_chance(config, params.emitter_survival);
         let factor = emitter_factor(config, ending_y, vertex.mis.ending);
-        let ratio = light_chance_ratio(vertex.surface.light, light, path.origin);
+        let ratio = light_chance_ratio(vertex.surface.light, light, light_place_left(path));
         weight = mis_weight_hit(config, vertex.mis, factor, pdf_position * ratio, pdf_emission);
     }
     film_add(path.index, group_of_light(vertex.surface.light), vertex.throughput * radiance * strategy_weight(0u, t, weight));
@@ -105,7 +105,7 @@ fn add_environment(path: Path) {
         let pdf_position = light.pmf * seen.pdf;
         let pdf_emission = pdf_position * params.emitter_survival / light.measure; // measure > 0
         let factor = emitter_factor(config, ending_chance(config, params.emitter_survival), path.mis.ending);
-        let ratio = light_chance_ratio(environment.light, light, path.origin);
+        let ratio = light_chance_ratio(environment.light, light, light_place_left(path));
         weight = mis_weight_hit(config, path.mis, factor, pdf_position * ratio, pdf_emission);
     }
     film_add(path.index, group_of_light(environment.light),

@@ -32,19 +32,30 @@ fn packed(scene: &Scene) -> PackedScene {
     PackedScene::new(scene, &scene.cameras[0], &settings, DeviceKind::Cpu).expect("packs")
 }
 
+/// What lights are drawn for.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    at: Vec3,
+    /// Unit, the side that is lit, or 0.
+    facing: Vec3,
+}
+
 /// What the probe is asked: for a place and a light, by numbers of its own.
-fn question(place: Vec3, light: u32, random: &mut Random) -> [f32; STRIDE] {
+fn question(place: Place, light: u32, random: &mut Random) -> [f32; STRIDE] {
     let mut question = [0.0; STRIDE];
-    question[..3].copy_from_slice(&place.to_array());
+    question[..3].copy_from_slice(&place.at.to_array());
     question[3] = light as f32;
     question[4..8].fill_with(|| random.unit());
     question[8..11].copy_from_slice(&random.direction().as_vec3().to_array());
+    question[12..15].copy_from_slice(&place.facing.to_array());
     question
 }
 
-/// A place in the room, or somewhat outside.
-fn place(random: &mut Random) -> Vec3 {
-    DVec3::from_array([0; 3].map(|_| random.between(-1.1, 1.1))).as_vec3()
+/// A place in the room, or somewhat outside, mostly lit on one side.
+fn place(random: &mut Random) -> Place {
+    let at = DVec3::from_array([0; 3].map(|_| random.between(-1.1, 1.1))).as_vec3();
+    let facing = if random.chance(0.8) { random.direction().as_vec3() } else { Vec3::ZERO };
+    Place { at, facing }
 }
 
 fn ask(device: &dyn Device, packed: &PackedScene, questions: &[[f32; STRIDE]]) -> Vec<u32> {
@@ -89,7 +100,7 @@ struct Answer {
     /// The same of the light that was asked for.
     ratio: f32,
     pmf: f32,
-    /// What a surface at a right angle to it would receive from a point of it, for its density.
+    /// What the place would receive from a point of it, for its density.
     arriving: f32,
     /// The light's chance over that by power, as its sample has it.
     sample_ratio: f32,
@@ -119,7 +130,7 @@ fn answers(packed: &PackedScene, questions: &[[f32; STRIDE]]) -> Vec<Answer> {
 }
 
 /// Each light once, for one place.
-fn all_lights(packed: &PackedScene, place: Vec3, random: &mut Random) -> Vec<Answer> {
+fn all_lights(packed: &PackedScene, place: Place, random: &mut Random) -> Vec<Answer> {
     let questions: Vec<_> = (0..packed.n_lights).map(|light| question(place, light, random)).collect();
     answers(packed, &questions)
 }
@@ -134,10 +145,10 @@ fn chances_sum_to_one_at_most() {
     for _ in 0..200 {
         let place = place(&mut random);
         let sum: f64 = all_lights(&packed, place, &mut random).iter().map(Answer::chance).sum();
-        assert!((0.8..=1.0 + 1e-5).contains(&sum), "{sum} at {place}");
+        assert!((0.0..=1.0 + 1e-5).contains(&sum), "{sum} at {place:?}");
         mean += sum / 200.0;
     }
-    assert_near(mean, 1.0, 0.01, "the mean of the sums");
+    assert!(mean >= 0.95, "the mean of the sums is {mean}");
 }
 
 #[test]
@@ -204,7 +215,7 @@ fn no_light_that_shines_is_left_out() {
 fn the_tree_prefers_what_arrives() {
     let mut random = Random::new(123);
     let packed = packed(&lit::room_with_many_lights());
-    let (mut by_power, mut by_tree) = (0.0, 0.0);
+    let (mut n_places, mut ratios) = (0, 0.0);
     for _ in 0..300 {
         let place = place(&mut random);
         let lights = all_lights(&packed, place, &mut random);
@@ -212,12 +223,15 @@ fn the_tree_prefers_what_arrives() {
             let shines = lights.iter().filter(|light| light.arriving > 0.0);
             shines.map(|light| f64::from(light.arriving).powi(2) / chance(light)).sum()
         };
-        // Places near a light would outweigh all others.
-        let all = moment(&|light| light.pmf.into());
-        by_power += 1.0;
-        by_tree += moment(&Answer::chance) / all;
+        // By place: those near a light would outweigh all others.
+        let by_power = moment(&|light| light.pmf.into());
+        if by_power > 0.0 {
+            n_places += 1;
+            ratios += moment(&Answer::chance) / by_power;
+        }
     }
-    let ratio: f64 = by_tree / by_power;
+    assert!(n_places > 250, "{n_places} are lit");
+    let ratio = ratios / f64::from(n_places);
     println!("the second moment is {ratio:.3} of that by power");
     assert!(ratio <= 0.5, "{ratio}");
 }

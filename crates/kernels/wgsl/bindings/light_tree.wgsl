@@ -15,10 +15,6 @@ fn load_light_node(index: u32) -> LightNode {
     return LightNode(a.xyz, a.w, b.xyz, b.w, c.x, c.y, bitcast<u32>(c.z), bitcast<u32>(c.w));
 }
 
-fn uses_light_tree() -> bool {
-    return may_have(FEATURE_LIGHT_TREE) && has_flag(FLAG_LIGHT_TREE);
-}
-
 /// A light drawn for next-event estimation.
 struct DrawnLight {
     /// NONE where none shines there.
@@ -28,7 +24,7 @@ struct DrawnLight {
 }
 
 /// A light for two numbers in [0, 1) to be sampled at a place; n_lights > 0.
-fn draw_light(place: vec3<f32>, u: vec2<f32>) -> DrawnLight {
+fn draw_light(place: LightPlace, u: vec2<f32>) -> DrawnLight {
     if (!uses_light_tree()) {
         return DrawnLight(pick_light(u.x), 1.0);
     }
@@ -63,7 +59,7 @@ fn draw_light(place: vec3<f32>, u: vec2<f32>) -> DrawnLight {
 }
 
 /// DrawnLight.ratio of a light at a place.
-fn light_chance_ratio(index: u32, light: Light, place: vec3<f32>) -> f32 {
+fn light_chance_ratio(index: u32, light: Light, place: LightPlace) -> f32 {
     if (!uses_light_tree()) {
         return 1.0;
     }

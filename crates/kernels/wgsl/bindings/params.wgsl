@@ -112,6 +112,11 @@ fn invocation_index(id: vec3<u32>) -> u32 {
     return id.y * GRID_ROW + id.x;
 }
 
+/// Whether next-event estimation draws lights by the tree over them.
+fn uses_light_tree() -> bool {
+    return may_have(FEATURE_LIGHT_TREE) && has_flag(FLAG_LIGHT_TREE);
+}
+
 /// Whether contributions are told apart by the group of the light that they come from.
 fn keeps_groups() -> bool {
     return may_have(FEATURE_LIGHT_GROUPS) && params.n_groups > 1u;

@@ -55,7 +55,7 @@ fn start_light_path(id: u32, place: u32) -> bool {
         state = mis_begin_light(config, point.pdf, point.pdf, pdf_direction, emitted.cos_light, ending);
     }
     store_path(id, Path(emitted.origin, index, emitted.direction, 0u, 0u, is_infinite(light), throughput, sample, state,
-        light.medium));
+        light.medium, NO_FACING));
     return true;
 }
 

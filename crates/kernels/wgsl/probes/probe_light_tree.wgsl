@@ -1,6 +1,6 @@
 // Probe: the lights of a packed scene by the tree over them: one drawn for a place, and how another
 // shines there. In: a place and a light's index; two numbers in [0, 1) for the draw, two for a point on
-// that light; a direction for it at infinity.
+// that light; a direction for it at infinity; the side that is lit, or 0.
 
 #include "bindings/probe.wgsl"
 #include "bindings/params.wgsl"
@@ -17,7 +17,7 @@ fn probe_light_tree(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let a = probe_input(id.x, 0u);
     let u = probe_input(id.x, 1u);
-    let place = a.xyz;
+    let place = LightPlace(a.xyz, probe_input(id.x, 3u).xyz);
     let drawn = draw_light(place, u.xy);
     var again = vec2<f32>(0.0);
     if (drawn.index != NONE) {
@@ -29,7 +29,8 @@ fn probe_light_tree(@builtin(global_invocation_id) id: vec3<u32>) {
     let light = load_light(index);
     let ratio = light_chance_ratio(index, light, place);
     let point = light_point(light, sample_triangle(u.zw), probe_unit(probe_input(id.x, 2u).xyz));
-    let seen = see_light(light, point, place, ratio);
-    let arriving = max(seen.arriving.x, max(seen.arriving.y, seen.arriving.z));
+    let seen = see_light(light, point, a.xyz, ratio);
+    let cosine = select(1.0, max(dot(place.facing, seen.wi), 0.0), any(place.facing != vec3<f32>(0.0)));
+    let arriving = cosine * max(seen.arriving.x, max(seen.arriving.y, seen.arriving.z));
     probe_output(id.x, 1u, vec4<f32>(ratio, light.pmf, arriving, select(0.0, seen.pdf / seen.pdf_position, ratio > 0.0)));
 }
