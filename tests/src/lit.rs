@@ -3,7 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
-use midway_scene::{Environment, Image, Light, LightKind, Scene, Sides, SpotFalloff, Surface, Texels};
+use midway_scene::{
+    Environment, Image, Light, LightKind, Roughness, Scene, Sides, SpotFalloff, Surface, Texels,
+};
 
 use crate::{
     scenes::Known,
@@ -309,8 +311,15 @@ pub fn room_with_all_lights() -> Scene {
 /// That room with 60 small lights more, of every kind that is somewhere, turned every way.
 pub fn room_with_many_lights() -> Scene {
     let mut scene = room_with_all_lights();
-    let ball = Vec3::new(-0.3, -0.6, -0.4);
-    let mut places = (1..).map(spread).map(|u| 1.6 * u - 0.8).filter(|place| place.distance(ball) > 0.5);
+    // One is there already; the other transmits, so that lights shine on both its sides.
+    let balls = [Vec3::new(-0.3, -0.6, -0.4), Vec3::new(0.45, -0.7, -0.5)];
+    let mut rough_glass = glass(1.5);
+    if let Surface::Dielectric { roughness, .. } = &mut rough_glass.surface {
+        *roughness = Roughness::alpha(0.5);
+    }
+    add(&mut scene, Shape::icosphere(2, balls[1], 0.25), rough_glass);
+    let is_free = |place: &Vec3| balls.iter().all(|ball| place.distance(*ball) > 0.5);
+    let mut places = (1..).map(spread).map(|u| 1.6 * u - 0.8).filter(is_free);
     for (i, place) in places.by_ref().take(60).enumerate() {
         let direction = (2.0 * spread(1000 + i) - 1.0).normalize();
         let along = 0.25 * direction.any_orthonormal_vector();

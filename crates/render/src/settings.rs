@@ -109,27 +109,13 @@ impl Rng {
 /// How next-event estimation chooses a light; light paths choose by power always.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightSampling {
-    /// By the tree where there are lights enough for it to pay.
+    /// By the tree where lights are many and lie apart, so that it pays.
     #[default]
     Auto,
     /// In proportion to power, wherever it is to shine.
     Power,
     /// In proportion to about what arrives at the place that it is drawn for, by a tree over all lights.
     Tree,
-}
-
-/// Lights from which the tree has the lower error at equal time (bench/NOTES.md).
-const TREE_FROM: usize = 8;
-
-impl LightSampling {
-    /// Whether so many lights are drawn by the tree.
-    pub(crate) fn uses_tree(self, n_lights: usize) -> bool {
-        match self {
-            Self::Auto => n_lights >= TREE_FROM,
-            Self::Power => false,
-            Self::Tree => n_lights > 0,
-        }
-    }
 }
 
 /// An integrator with its options; those of `bdpt` are ignored by the others.

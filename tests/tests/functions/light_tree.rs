@@ -135,6 +135,28 @@ fn all_lights(packed: &PackedScene, place: Place, random: &mut Random) -> Vec<An
     answers(packed, &questions)
 }
 
+/// The side that lights are drawn for is kept in 32 bits.
+#[test]
+fn sides_survive_packing() {
+    let mut random = Random::new(125);
+    let packed = packed(&lit::room_with_many_lights());
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| [axis, -axis]);
+    let directions = (0..10_000).map(|_| random.direction().as_vec3());
+    let directions: Vec<Vec3> = axes.into_iter().flatten().chain(directions).collect();
+    let question = |direction: &Vec3| {
+        let mut question = [0.0; STRIDE];
+        question[8..11].copy_from_slice(&direction.to_array());
+        question
+    };
+    let words = ask(&*cpu(), &packed, &directions.iter().map(question).collect::<Vec<_>>());
+    for (row, direction) in words.chunks(STRIDE).zip(&directions) {
+        let back = Vec3::from_array([8, 9, 10].map(|i| f32::from_bits(row[i])));
+        // As `probe_unit` makes it.
+        let expected = (*direction + 1e-3 * Vec3::Z).normalize();
+        assert!(back.distance(expected) <= 1e-4, "{back} for {expected}");
+    }
+}
+
 /// A little may be left of 1: where a node may shine, and neither of its children does, none is drawn.
 #[test]
 fn chances_sum_to_one_at_most() {

@@ -54,7 +54,7 @@ pub enum MisArg {
 /// `--light-sampling`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum LightSamplingArg {
-    /// By the tree where there are lights enough for it to pay.
+    /// By the tree where lights are many and lie apart.
     #[default]
     Auto,
     /// By the light's power.

@@ -29,6 +29,7 @@ fn probe_light_tree(@builtin(global_invocation_id) id: vec3<u32>) {
     let light = load_light(index);
     let ratio = light_chance_ratio(index, light, place);
     let point = light_point(light, sample_triangle(u.zw), probe_unit(probe_input(id.x, 2u).xyz));
+    probe_output(id.x, 2u, vec4<f32>(oct_decode(oct_encode(probe_unit(probe_input(id.x, 2u).xyz))), 0.0));
     let seen = see_light(light, point, a.xyz, ratio);
     let cosine = select(1.0, max(dot(place.facing, seen.wi), 0.0), any(place.facing != vec3<f32>(0.0)));
     let arriving = cosine * max(seen.arriving.x, max(seen.arriving.y, seen.arriving.z));

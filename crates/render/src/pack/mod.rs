@@ -130,8 +130,7 @@ impl PackedScene {
         let lights_at = words.len() as u32;
         let groups = scene.light_groups();
         pack_lights(&lights, &groups, &world, &media, &mut words);
-        let uses_tree = settings.light_sampling.uses_tree(lights.lights.len());
-        let tree = uses_tree.then(|| LightTree::new(&lights, &world));
+        let tree = LightTree::wanted(settings.light_sampling, &lights, &world, sphere.radius);
         let tree_at = pack_light_tree(tree.as_ref(), &mut words);
         let environment_at = environment.as_ref().map_or(k::NONE, |_| words.len() as u32);
         if let Some(environment) = &environment {
