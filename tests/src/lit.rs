@@ -3,7 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
-use midway_scene::{Environment, Image, Light, LightKind, Scene, SpotFalloff, Surface, Texels};
+use midway_scene::{
+    Environment, Image, Light, LightKind, Roughness, Scene, Sides, SpotFalloff, Surface, Texels,
+};
 
 use crate::{
     scenes::Known,
@@ -122,6 +124,17 @@ pub fn constant_environment() -> Known {
     let mut scene = floor();
     scene.environment = Some(constant(radiance));
     Known::new("constant environment", scene, true, move |_, _| ALBEDO * radiance)
+}
+
+/// The same under a point light too: of two lights, one near and one at infinity, either is the likelier
+/// by place.
+pub fn point_and_environment() -> Known {
+    let (radiance, intensity) = (Vec3::new(0.5, 1.0, 2.0), Vec3::new(1.0, 2.0, 4.0));
+    let mut scene = lit_by(floor(), LightKind::Point { position: LAMP.as_vec3(), intensity });
+    scene.environment = Some(constant(radiance));
+    unseen_by_naive(Known::new("point light and environment", scene, true, move |x, y| {
+        ALBEDO * (radiance + intensity * (falls_on_floor(x, y).1 / PI) as f32)
+    }))
 }
 
 /// Columns and rows of [`sky_image`].
@@ -293,4 +306,58 @@ pub fn room_with_all_lights() -> Scene {
     add_sky(&mut scene);
     scene.cameras.push(camera(Vec3::new(0.7, 0.1, 0.9), Vec3::new(-0.6, -0.2, -0.6), 60.0));
     scene
+}
+
+/// That room with 60 small lights more, of every kind that is somewhere, turned every way.
+pub fn room_with_many_lights() -> Scene {
+    let mut scene = room_with_all_lights();
+    // One is there already; the other transmits, so that lights shine on both its sides.
+    let balls = [Vec3::new(-0.3, -0.6, -0.4), Vec3::new(0.45, -0.7, -0.5)];
+    let mut rough_glass = glass(1.5);
+    if let Surface::Dielectric { roughness, .. } = &mut rough_glass.surface {
+        *roughness = Roughness::alpha(0.5);
+    }
+    add(&mut scene, Shape::icosphere(2, balls[1], 0.25), rough_glass);
+    let is_free = |place: &Vec3| balls.iter().all(|ball| place.distance(*ball) > 0.5);
+    let mut places = (1..).map(spread).map(|u| 1.6 * u - 0.8).filter(is_free);
+    for (i, place) in places.by_ref().take(60).enumerate() {
+        let direction = (2.0 * spread(1000 + i) - 1.0).normalize();
+        let along = 0.25 * direction.any_orthonormal_vector();
+        let triangle =
+            Shape::parallelogram(place, along, direction.cross(along)).split(|triangle| triangle == 0).0;
+        let mut both_sides = diffuse(Vec3::ZERO, Vec3::new(0.8, 0.5, 0.6));
+        both_sides.emits = Sides::Both;
+        match i % 5 {
+            0 => add(&mut scene, triangle, diffuse(Vec3::ZERO, Vec3::splat(1.2))),
+            1 => add(&mut scene, triangle, both_sides),
+            2 => lit_by_point(&mut scene, place),
+            _ => lit_by_spot(&mut scene, place, direction, i),
+        }
+    }
+    scene
+}
+
+fn lit_by_point(scene: &mut Scene, position: Vec3) {
+    let kind = LightKind::Point { position, intensity: Vec3::new(0.02, 0.01, 0.03) };
+    scene.lights.push(Light { name: String::new(), kind, group: None });
+}
+
+/// From 2 degrees to nearly all around.
+fn lit_by_spot(scene: &mut Scene, position: Vec3, direction: Vec3, number: usize) {
+    let outer_angle = 0.04 + 0.05 * number as f32;
+    let falloff = FALLOFFS[number % 3];
+    let kind = LightKind::Spot {
+        position,
+        direction,
+        intensity: Vec3::splat(0.04),
+        inner_angle: 0.3 * outer_angle,
+        outer_angle,
+        falloff,
+    };
+    scene.lights.push(Light { name: String::new(), kind, group: None });
+}
+
+/// The points of an additive recurrence, spread evenly over the unit cube.
+fn spread(i: usize) -> Vec3 {
+    (DVec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5) * i as f64).fract().as_vec3()
 }

@@ -1,7 +1,7 @@
 //! `midway info`.
 
 use midway_device::{Bytes, DeviceKind};
-use midway_render::PackedScene;
+use midway_render::{PackedScene, RenderSettings};
 use midway_scene::{Bounds, Camera, Material, Projection, Scene, Sides, Surface};
 use serde_json::{Value, json};
 
@@ -36,8 +36,8 @@ struct Memory {
 
 impl Memory {
     fn of(scene: &Scene) -> Outcome<Self> {
-        let packed =
-            PackedScene::new(scene, &scene.cameras[0], None, DeviceKind::Cpu).or_status(Status::Input)?;
+        let packed = PackedScene::new(scene, &scene.cameras[0], &RenderSettings::default(), DeviceKind::Cpu)
+            .or_status(Status::Input)?;
         Ok(Self {
             hierarchies: size_of_val(&packed.nodes[..]) as u64,
             geometry: (size_of_val(&packed.triangles[..]) + size_of_val(&packed.scene[..])) as u64,

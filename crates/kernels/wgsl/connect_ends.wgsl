@@ -57,6 +57,6 @@ fn join_emitter(path: Path, vertex: Vertex, stored: LightVertex) {
     let light = load_light(stored.link);
     let point = light_point(light, vec2<f32>(stored.u, stored.v), stored.wo);
     let ending = ending_chance(config, params.emitter_survival);
-    join_light(path, vertex, light.group, see_light(light, point, vertex.surface.position),
+    join_light(path, vertex, light.group, see_light(light, point, vertex.surface.position, 1.0),
         emitter_factor(config, ending, vertex.ending), ends_weight(ending, vertex.ending));
 }

@@ -9,6 +9,7 @@
 #include "bindings/shaded.wgsl"
 #include "bindings/environment.wgsl"
 #include "bindings/lights.wgsl"
+#include "bindings/light_tree.wgsl"
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
@@ -86,7 +87,8 @@ fn add_emission(path: Path, vertex: Vertex, t: u32) {
         let pdf_emission = pdf_position * emission_pdf_sa(cos_front, emits_back) * params.emitter_survival;
         let ending_y = ending_chance(config, params.emitter_survival);
         let factor = emitter_factor(config, ending_y, vertex.mis.ending);
-        weight = mis_weight_hit(config, vertex.mis, factor, pdf_position, pdf_emission);
+        let ratio = light_chance_ratio(vertex.surface.light, light, light_place_left(path));
+        weight = mis_weight_hit(config, vertex.mis, factor, pdf_position * ratio, pdf_emission);
     }
     film_add(path.index, group_of_light(vertex.surface.light), vertex.throughput * radiance * strategy_weight(0u, t, weight));
 }
@@ -100,10 +102,11 @@ fn add_environment(path: Path) {
     if (t > 2u && environment.light != NONE) {
         let config = mis_config();
         let light = load_light(environment.light);
-        let pdf_direct = light.pmf * seen.pdf;
-        let pdf_emission = pdf_direct * params.emitter_survival / light.measure; // measure > 0
+        let pdf_position = light.pmf * seen.pdf;
+        let pdf_emission = pdf_position * params.emitter_survival / light.measure; // measure > 0
         let factor = emitter_factor(config, ending_chance(config, params.emitter_survival), path.mis.ending);
-        weight = mis_weight_hit(config, path.mis, factor, pdf_direct, pdf_emission);
+        let ratio = light_chance_ratio(environment.light, light, light_place_left(path));
+        weight = mis_weight_hit(config, path.mis, factor, pdf_position * ratio, pdf_emission);
     }
     film_add(path.index, group_of_light(environment.light),
         path.throughput * medium_transmittance(path.medium, F32_MAX) * seen.radiance * strategy_weight(0u, t, weight));
@@ -112,7 +115,11 @@ fn add_environment(path: Path) {
 /// Strategy (1, t): a point on a light drawn for this vertex.
 fn sample_light(path: Path, vertex: Vertex) {
     let u = random(path.index, path.sample, dimension(DRAW_NEE, path.depth));
-    let light = load_light(pick_light(u.x));
+    let drawn = draw_light(light_place(vertex), u.xw);
+    if (drawn.index == NONE) {
+        return;
+    }
+    let light = load_light(drawn.index);
     let point = draw_light_point(light, u.yz, path.index, path.sample, dimension(DRAW_ENVIRONMENT, path.depth));
-    join_light(path, vertex, light.group, see_light(light, point, vertex.surface.position), 1.0, 1.0);
+    join_light(path, vertex, light.group, see_light(light, point, vertex.surface.position, drawn.ratio), 1.0, 1.0);
 }

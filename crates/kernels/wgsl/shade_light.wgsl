@@ -10,6 +10,7 @@
 #include "bindings/queues.wgsl"
 #include "bindings/vertex.wgsl"
 #include "bindings/start_light.wgsl"
+#include "bindings/light_tree.wgsl"
 
 @compute @workgroup_size(64)
 fn shade_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
@@ -31,10 +32,16 @@ fn shade(id: u32, path: Path) -> bool {
     if (hit.triangle == NONE || !any(path.throughput != vec3<f32>(0.0))) {
         return false;
     }
-    let vertex = arrive(path, hit, DRAW_LIGHT);
+    var vertex = arrive(path, hit, DRAW_LIGHT);
     let s = path.depth + 2u; // with y_0 and this vertex
     if (!length_allowed(s, 1u)) {
         return false;
+    }
+    if (s == 2u && uses_light_tree()) {
+        // (2) has the chance by power at y_0, which the path began by; s = 1 here draws by the tree.
+        let light = light_of_path(path);
+        let ratio = light_chance_ratio(light, load_light(light), light_place(vertex));
+        vertex.mis.dvcm *= mis_power(mis_config(), ratio);
     }
     let connectible = is_connectible(vertex.material);
     let stored = LightVertex(vertex.surface.position, hit.triangle, vertex.throughput, vertex.mis.dvcm,

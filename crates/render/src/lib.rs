@@ -20,6 +20,7 @@ mod environment;
 mod error;
 mod features;
 mod hold;
+mod light_tree;
 mod lights;
 mod medium;
 mod pack;
@@ -42,7 +43,7 @@ pub use pack::PackedScene;
 pub use record::BounceRays;
 pub use renderer::{RenderStats, Renderer};
 pub use settings::{
-    Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, OneStrategy,
-    PixelFilter, RenderSettings, Rng,
+    Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, LightSampling, Mis,
+    OneStrategy, PixelFilter, RenderSettings, Rng,
 };
 pub use team::Team;

@@ -32,7 +32,7 @@ pub fn base_params(
         },
         filter_width: settings.filter.width,
         seed: mixed_seed(settings.seed),
-        flags: flags(settings),
+        flags: flags(settings) | if samples_by_tree(settings, packed) { k::FLAG_LIGHT_TREE } else { 0 },
         join: match integrator.joins() {
             None => k::JOIN_NONE,
             Some(Join::Full) => k::JOIN_FULL,
@@ -51,6 +51,8 @@ pub fn base_params(
         scene_centre: packed.sphere.centre.to_array(),
         scene_radius: packed.sphere.radius,
         lights_at: packed.lights_at,
+        light_tree_at: packed.light_tree_at,
+        light_ways_at: packed.light_ways_at,
         environment_at: packed.environment_at,
         surfaces_at: packed.surfaces_at,
         instances_at: packed.instances_at,
@@ -64,6 +66,11 @@ pub fn base_params(
         n_random: packed.n_random,
         ..bytemuck::Zeroable::zeroed()
     }
+}
+
+/// Whether next-event estimation is there, and draws lights by the tree.
+pub fn samples_by_tree(settings: &RenderSettings, packed: &PackedScene) -> bool {
+    settings.integrator.uses_nee() && packed.light_tree_at != k::NONE
 }
 
 /// The kernels' seed: mixed, so that seeds that differ in one bit are as far apart as any.

@@ -23,7 +23,7 @@ use crate::{
     aov::Aovs,
     batch::{KernelTimes, Lane, LaneSize, LaneTotals, LaneUses},
     buffers::{BufferSet, Pipelines, dispatch},
-    params::{base_params, join_factor, mixed_seed},
+    params::{base_params, join_factor, mixed_seed, samples_by_tree},
     pool::{POOL_KERNELS, Pool, PoolSize},
     sizes::{Sizes, plan_scene, plan_shared, reserved_slots},
 };
@@ -128,7 +128,7 @@ impl Renderer {
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         settings.validate()?;
-        let packed = PackedScene::new(scene, camera, settings.rng.table(), device.info().kind)?;
+        let packed = PackedScene::new(scene, camera, &settings, device.info().kind)?;
         let n_pixels = n_pixels(&settings);
         let scene_plan = plan_scene(&packed);
         let n_groups = if settings.light_groups { packed.light_groups.len() as u32 } else { 1 };
@@ -210,6 +210,12 @@ impl Renderer {
     /// What was asked.
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
+    }
+
+    /// Whether next-event estimation draws lights by the tree over them; none without it.
+    pub fn samples_lights_by_tree(&self) -> Option<bool> {
+        let nee = self.settings.integrator.uses_nee();
+        nee.then(|| samples_by_tree(&self.settings, &self.kept.packed))
     }
 
     /// What it runs on.

@@ -106,6 +106,18 @@ impl Rng {
     }
 }
 
+/// How next-event estimation chooses a light; light paths choose by power always.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSampling {
+    /// By the tree where lights are many and lie apart, so that it pays.
+    #[default]
+    Auto,
+    /// In proportion to power, wherever it is to shine.
+    Power,
+    /// In proportion to about what arrives at the place that it is drawn for, by a tree over all lights.
+    Tree,
+}
+
 /// An integrator with its options; those of `bdpt` are ignored by the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorSettings {
@@ -297,6 +309,8 @@ pub struct RenderSettings {
     pub light_groups: bool,
     /// The integrator.
     pub integrator: IntegratorSettings,
+    /// How s = 1 chooses a light.
+    pub light_sampling: LightSampling,
     /// Bias: edges of a path at most.
     pub max_path_length: Option<u32>,
     /// Where random numbers come from.
@@ -318,6 +332,7 @@ impl Default for RenderSettings {
             aovs: Vec::new(),
             light_groups: false,
             integrator: IntegratorSettings::default(),
+            light_sampling: LightSampling::default(),
             max_path_length: None,
             rng: Rng::default(),
             clamp: None,

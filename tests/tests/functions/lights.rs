@@ -7,7 +7,7 @@ use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::DVec3;
 use midway_device::{Device, DeviceKind};
 use midway_kernels::{constants::PROBE_STRIDE, layout::Params, native::lib};
-use midway_render::PackedScene;
+use midway_render::{PackedScene, RenderSettings};
 use midway_tests::{
     estimate::{cpu, gpu},
     lit::{self, SKY, Sky},
@@ -127,7 +127,8 @@ fn luminance(rgb: DVec3) -> f64 {
 fn environment_directions_have_their_density() {
     let known = lit::sky();
     let packed =
-        PackedScene::new(&known.scene, &known.scene.cameras[0], None, DeviceKind::Cpu).expect("packs");
+        PackedScene::new(&known.scene, &known.scene.cameras[0], &RenderSettings::default(), DeviceKind::Cpu)
+            .expect("packs");
     let mut random = Random::new(23);
     let directions: Vec<DVec3> = (0..N).map(|_| random.direction()).collect();
     let words = probe_environment(&*cpu(), &packed, &directions);
@@ -165,7 +166,8 @@ fn environments_agree_on_both_devices() {
     let Some(gpu) = gpu() else { return };
     let known = lit::sky();
     let packed =
-        PackedScene::new(&known.scene, &known.scene.cameras[0], None, DeviceKind::Cpu).expect("packs");
+        PackedScene::new(&known.scene, &known.scene.cameras[0], &RenderSettings::default(), DeviceKind::Cpu)
+            .expect("packs");
     let mut random = Random::new(24);
     let directions: Vec<DVec3> = (0..20_011).map(|_| random.direction()).collect();
     let results = |device: &dyn Device| Results {

@@ -11,6 +11,7 @@ mod cameras;
 mod chi_square;
 mod dispersion;
 mod film;
+mod light_tree;
 mod lights;
 mod maths;
 mod mis;

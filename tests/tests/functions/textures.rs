@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec2};
 use midway_device::DeviceKind;
 use midway_kernels::{constants::PROBE_STRIDE, layout::Params};
-use midway_render::PackedScene;
+use midway_render::{PackedScene, RenderSettings};
 use midway_scene::{
     Channel, Filter, Image, Material, Opacity, ScalarInput, Scene, Surface, Texels, Texture, Wrap,
 };
@@ -145,7 +145,8 @@ impl Case {
 
     fn probe(&self, device: &dyn midway_device::Device) -> Vec<f32> {
         let eye = camera(glam::Vec3::Z, glam::Vec3::ZERO, 40.0);
-        let packed = PackedScene::new(&self.scene, &eye, None, DeviceKind::Cpu).expect("packs");
+        let packed =
+            PackedScene::new(&self.scene, &eye, &RenderSettings::default(), DeviceKind::Cpu).expect("packs");
         let params = Params {
             slots_at: packed.slots_at,
             textures_at: packed.textures_at,

@@ -2,7 +2,7 @@
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use midway_device::DeviceKind;
-use midway_render::{Integrator, IntegratorSettings, PackedScene};
+use midway_render::{Integrator, IntegratorSettings, PackedScene, RenderSettings};
 use midway_scene::{Instance, Mesh, Scene};
 use midway_tests::{
     estimate::{cpu, render},
@@ -57,8 +57,10 @@ fn scene(shared: bool) -> Scene {
 fn instances_render_as_copies_do() {
     let _turn = in_turn();
     let (shared, copied) = (scene(true), scene(false));
-    let packed =
-        |scene: &Scene| PackedScene::new(scene, &scene.cameras[0], None, DeviceKind::Cpu).expect("packed");
+    let packed = |scene: &Scene| {
+        PackedScene::new(scene, &scene.cameras[0], &RenderSettings::default(), DeviceKind::Cpu)
+            .expect("packed")
+    };
     let (with, without) = (packed(&shared), packed(&copied));
     assert_eq!((with.n_instances, without.n_instances), (2 * N_BALLS, 0));
     assert!(5 * with.scene.len() < without.scene.len() && 5 * with.nodes.len() < without.nodes.len());

@@ -31,6 +31,7 @@ const FILTERS: &str = "an_edge_has_the_filters_profile";
 const CROPS: &str = "a_crop_has_the_bits_of_the_whole";
 const NORMAL_MAPS: &str = "a_map_lies_the_same";
 const DISPERSION: &str = "that_disperses_has_each_channels_index";
+const LIGHT_TREE: &str = "light_tree::";
 
 /// The mutants.
 pub const MUTANTS: &[Mutant] = &[
@@ -237,6 +238,34 @@ pub const MUTANTS: &[Mutant] = &[
         find: "map.row_v.y < 0.0",
         replace: "false",
         caught_by: NORMAL_MAPS,
+    },
+    Mutant {
+        name: "hits-weigh-draws-by-power",
+        file: "shade_camera.wgsl",
+        find: "vertex.mis, factor, pdf_position * ratio",
+        replace: "vertex.mis, factor, pdf_position",
+        caught_by: LIGHT_TREE,
+    },
+    Mutant {
+        name: "escapes-weigh-draws-by-power",
+        file: "shade_camera.wgsl",
+        find: "path.mis, factor, pdf_position * ratio",
+        replace: "path.mis, factor, pdf_position",
+        caught_by: LIGHT_TREE,
+    },
+    Mutant {
+        name: "light-paths-weigh-draws-by-power",
+        file: "shade_light.wgsl",
+        find: "vertex.mis.dvcm *= mis_power(mis_config(), ratio);",
+        replace: "vertex.mis.dvcm *= 1.0;",
+        caught_by: LIGHT_TREE,
+    },
+    Mutant {
+        name: "light-paths-begin-by-the-trees-chance",
+        file: "bindings/light_join.wgsl",
+        find: "light.pdf, light.pdf_position, pdf_emit",
+        replace: "light.pdf, light.pdf, pdf_emit",
+        caught_by: LIGHT_TREE,
     },
 ];
 

@@ -25,6 +25,8 @@ pub enum Bench {
     Sampling(SamplingArgs),
     /// What samples cost as scenes, images and paths grow.
     Scaling(ScalingArgs),
+    /// The error after the same time by a tree over lights and by their power, as lights grow.
+    Lights(LightsArgs),
     /// Frame times and K while the camera moves and a frame time is held.
     Hold(HoldArgs),
     /// Time and rays a second of each kernel.
@@ -145,6 +147,31 @@ pub struct ScalingArgs {
     /// Draw the curves.
     #[arg(long, value_name = "SVG")]
     pub svg: Option<PathBuf>,
+    /// On what.
+    #[command(flatten)]
+    pub device: BenchDevice,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `midway bench lights`.
+#[derive(Args, Debug)]
+pub struct LightsArgs {
+    /// Scenes, each looked at through its first camera [default: made ones with --lights]
+    pub scenes: Vec<PathBuf>,
+    /// How many lights there are in a made scene.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [1, 10, 100, 1000, 10_000], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub lights: Vec<u32>,
+    /// How long each image takes; there are two of each kind.
+    #[arg(long, value_name = "TIME", default_value = "5s", value_parser = duration)]
+    pub time: Duration,
+    /// Only rows that contain each of these words (points,path).
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// How large.
+    #[command(flatten)]
+    pub size: BenchSize,
     /// On what.
     #[command(flatten)]
     pub device: BenchDevice,

@@ -12,13 +12,13 @@ use clap::{Args, Parser, Subcommand};
 use crate::status::Status;
 
 pub use bench::{
-    Bench, BenchArgs, BenchDevice, EqualTimeArgs, HoldArgs, IntegratorBenchArgs, RaysArgs, SamplingArgs,
-    ScalingArgs, TablesArgs,
+    Bench, BenchArgs, BenchDevice, EqualTimeArgs, HoldArgs, IntegratorBenchArgs, LightsArgs, RaysArgs,
+    SamplingArgs, ScalingArgs, TablesArgs,
 };
 pub use render::RenderArgs;
 pub use values::{
-    CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightGroupsArg, LightPathsArg, MisArg,
-    ProgressArg, RngArg, ToneMapArg, Vec3Arg,
+    CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightGroupsArg, LightPathsArg,
+    LightSamplingArg, MisArg, ProgressArg, RngArg, ToneMapArg, Vec3Arg,
 };
 pub use view::ViewArgs;
 

@@ -6,8 +6,8 @@ use clap::Args;
 
 use super::values::{
     AovArg, ColorArg, CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightGroupsArg,
-    LightPathsArg, MisArg, ProgressArg, RngArg, ToneMapArg, Vec3Arg, duration, finite_f32, non_negative_f32,
-    positive_f32, stops,
+    LightPathsArg, LightSamplingArg, MisArg, ProgressArg, RngArg, ToneMapArg, Vec3Arg, duration, finite_f32,
+    non_negative_f32, positive_f32, stops,
 };
 
 /// `midway render`.
@@ -144,6 +144,9 @@ pub struct RenderArgs {
     /// One light path a sample, or a pool of P made for each pass (bdpt) [default: per-sample]
     #[arg(long, value_name = "per-sample|pool|pool:P", help_heading = "Integrator")]
     pub light_paths: Option<LightPathsArg>,
+    /// By what a light is chosen where lights are sampled (path, bdpt).
+    #[arg(long, value_enum, value_name = "CHOICE", default_value_t, help_heading = "Integrator")]
+    pub light_sampling: LightSamplingArg,
     /// How the strategies are weighted [default: power]
     #[arg(long, value_enum, value_name = "HEURISTIC", help_heading = "Integrator")]
     pub mis: Option<MisArg>,

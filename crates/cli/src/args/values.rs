@@ -51,6 +51,18 @@ pub enum MisArg {
     Power,
 }
 
+/// `--light-sampling`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum LightSamplingArg {
+    /// By the tree where lights are many and lie apart.
+    #[default]
+    Auto,
+    /// By the light's power.
+    Power,
+    /// By about what arrives from it, by a tree over all lights.
+    Tree,
+}
+
 /// `--filter`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum FilterArg {

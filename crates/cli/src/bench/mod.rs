@@ -4,6 +4,7 @@ mod curves;
 mod equal_time;
 mod hold;
 mod integrator;
+mod lights;
 mod measured;
 mod rays;
 mod sampling;
@@ -25,6 +26,7 @@ pub fn run(args: &BenchArgs) -> Outcome {
         Bench::EqualTime(args) => equal_time::run(args),
         Bench::Sampling(args) => sampling::run(args),
         Bench::Scaling(args) => scaling::run(args),
+        Bench::Lights(args) => lights::run(args),
         Bench::Hold(args) => hold::run(args),
         Bench::Integrator(args) => integrator::run(args),
         Bench::Tables(args) => tables::run(args),

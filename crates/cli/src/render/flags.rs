@@ -1,7 +1,8 @@
 //! Flags that mean nothing beside others are refused rather than ignored.
 
 use crate::{
-    args::{IntegratorArg, JoinArg, RenderArgs},
+    args::{IntegratorArg, JoinArg, LightSamplingArg, RenderArgs},
+    render::job,
     status::{Failure, Outcome},
 };
 
@@ -18,7 +19,9 @@ pub fn check(args: &RenderArgs) -> Outcome {
     ];
     refuse(&bdpt_only, args.integrator == IntegratorArg::Bdpt, "--integrator bdpt")?;
     let k_step_only = [("--k", args.k.is_some()), ("--join-choice", args.join_choice.is_some())];
-    refuse(&k_step_only, args.join == Some(JoinArg::KStep), "--join k-step")
+    refuse(&k_step_only, args.join == Some(JoinArg::KStep), "--join k-step")?;
+    let asked = [("--light-sampling", args.light_sampling != LightSamplingArg::Auto)];
+    refuse(&asked, job::integrator(args).uses_nee(), "an integrator that samples lights")
 }
 
 fn refuse(flags: &[(&str, bool)], allowed: bool, with: &str) -> Outcome {

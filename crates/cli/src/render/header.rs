@@ -47,6 +47,7 @@ pub fn of_request(args: &RenderArgs, scene: &Scene, frame: &Frame, device: &Devi
 pub fn of_state(request: &Metadata, job: &RenderJob, state: &State) -> Metadata {
     let mut header = request.clone();
     header.set("integrator", job.integrator());
+    header.set("light_sampling", job.light_sampling());
     header.set("filter", job.filter());
     header.set("rng", job.rng());
     header.set("bias", bias(&job.bias()));

@@ -5,14 +5,17 @@ use std::{sync::Arc, time::Duration};
 use midway_device::{Device, DeviceInfo, MemoryPlan};
 use midway_film::{Channel, Image};
 use midway_render::{
-    Choice, Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis, PixelFilter,
-    RenderError, RenderSettings, RenderStats, Renderer, Rng, Team,
+    Choice, Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, LightSampling,
+    Mis, PixelFilter, RenderError, RenderSettings, RenderStats, Renderer, Rng, Team,
 };
 use midway_scene::Scene;
 
 use super::{frame::Frame, schedule::Job};
 use crate::{
-    args::{FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, MisArg, RenderArgs, RngArg},
+    args::{
+        FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightPathsArg, LightSamplingArg, MisArg,
+        RenderArgs, RngArg,
+    },
     status::{Failure, Outcome, Status},
 };
 
@@ -66,6 +69,15 @@ impl RenderJob {
     /// Where its random numbers come from, for headers.
     pub fn rng(&self) -> String {
         self.team.lead().settings().rng.describe()
+    }
+
+    /// How lights are chosen where they are sampled, for headers.
+    pub fn light_sampling(&self) -> &'static str {
+        match self.team.lead().samples_lights_by_tree() {
+            Some(true) => "tree",
+            Some(false) => "power",
+            None => "none",
+        }
     }
 
     /// The pixel filter, for headers.
@@ -150,6 +162,11 @@ pub fn settings(args: &RenderArgs, frame: &Frame) -> RenderSettings {
         aovs: args.aov.0.clone(),
         light_groups: args.light_groups.is_some(),
         integrator: integrator(args),
+        light_sampling: match args.light_sampling {
+            LightSamplingArg::Auto => LightSampling::Auto,
+            LightSamplingArg::Power => LightSampling::Power,
+            LightSamplingArg::Tree => LightSampling::Tree,
+        },
         max_path_length: args.max_path_length,
         rng: match args.rng {
             RngArg::Sobol => Rng::Sobol,
@@ -170,7 +187,7 @@ fn filter(args: &RenderArgs) -> PixelFilter {
 }
 
 /// Flags that were not given leave the renderer's defaults.
-fn integrator(args: &RenderArgs) -> IntegratorSettings {
+pub fn integrator(args: &RenderArgs) -> IntegratorSettings {
     let defaults = IntegratorSettings::default();
     IntegratorSettings {
         integrator: match args.integrator {

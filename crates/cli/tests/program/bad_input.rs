@@ -48,6 +48,7 @@ fn flags_that_mean_nothing_together_are_2() {
     for (arguments, named) in [
         (&["--join", "full"][..], "--join"),
         (&["--integrator", "bdpt", "--k", "2"], "--k"),
+        (&["--integrator", "light", "--light-sampling", "tree"], "--light-sampling"),
         (&["-o", "a.jpg"], "a.jpg"),
         (&["--camera", "7"], "--camera"),
         (&["--width", "8", "--height", "8", "--crop", "4,4,5,4"], "--crop"),
@@ -155,6 +156,7 @@ fn help_and_version_are_0() {
         "k",
         "join-choice",
         "light-paths",
+        "light-sampling",
         "mis",
         "nee",
         "splat",

@@ -47,6 +47,7 @@ fn both_files_are_written_and_the_header_tells_all() {
     assert_eq!((header.text("bias"), header.text("stopped_by")), (Some("none"), Some("samples")));
     assert!(header.text("device").unwrap().starts_with("cpu"));
     assert!(header.text("integrator").unwrap().starts_with("path"));
+    assert_eq!(header.text("light_sampling"), Some("power"));
     assert_eq!(header.text("scene_hash").unwrap().len(), 64);
     assert!(header.get("world_from_camera").is_some());
     let left: Vec<_> = fs::read_dir(sandbox.path(".")).unwrap().collect();

@@ -28,5 +28,5 @@ fn light_join_weight(path: Path, vertex: Vertex, light: LightSample, terms: Bsdf
     let pdf_emit = light.pdf_emit * params.emitter_survival * abs(dot(vertex.surface.ng, light.wi));
     let earlier = mis_earlier(config, vertex.mis, camera_previous_factor(config, path.depth + 2u, vertex.mis, vertex.ending),
         terms.pdf_rev);
-    return mis_weight_emitter(config, factor, pdf_hit, light.pdf, light.pdf, pdf_emit, earlier);
+    return mis_weight_emitter(config, factor, pdf_hit, light.pdf, light.pdf_position, pdf_emit, earlier);
 }

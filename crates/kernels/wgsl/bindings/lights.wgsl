@@ -59,8 +59,10 @@ struct LightSample {
     distance: f32,
     /// What a surface at a right angle to wi receives, for each unit of the measure of LightPoint.pdf.
     arriving: vec3<f32>,
-    /// LightPoint.pdf.
+    /// Density of the draw, in the measure of LightPoint.pdf.
     pdf: f32,
+    /// LightPoint.pdf: as light paths start there.
+    pdf_position: f32,
     /// From a density per solid angle here to one in the measure of pdf; 0 where the light cannot be hit.
     to_measure: f32,
     /// Density of the light's emission along the ray, per area at a right angle to it, without survival.
@@ -156,30 +158,32 @@ fn draw_light_point(light: Light, u: vec2<f32>, path: u32, sample: u32, environm
     return light_point(light, sample_triangle(u), vec3<f32>(0.0));
 }
 
-/// How a point on a light is seen from elsewhere.
-fn see_light(light: Light, point: LightPoint, place: vec3<f32>) -> LightSample {
+/// How a point on a light is seen from elsewhere. ratio: of the chance by which the light was drawn to
+/// that by power.
+fn see_light(light: Light, point: LightPoint, place: vec3<f32>, ratio: f32) -> LightSample {
+    let pdf = point.pdf * ratio;
     if (is_infinite(light)) {
         // From within the sphere its diameter leads out of it; a hundredth more for rounding.
         let end = place + point.normal * (2.02 * params.scene_radius);
         let to_measure = select(0.0, 1.0, light.kind == LIGHT_ENVIRONMENT);
-        return LightSample(point.normal, F32_MAX, point.emission, point.pdf, to_measure, 1.0 / light.measure, end, NONE);
+        return LightSample(point.normal, F32_MAX, point.emission, pdf, point.pdf, to_measure, 1.0 / light.measure, end, NONE);
     }
     let between = point.position - place;
     let distance_squared = dot(between, between);
     if (distance_squared == 0.0) {
-        return LightSample(vec3<f32>(0.0, 0.0, 1.0), 0.0, vec3<f32>(0.0), point.pdf, 0.0, 0.0, point.position, NONE);
+        return LightSample(vec3<f32>(0.0, 0.0, 1.0), 0.0, vec3<f32>(0.0), pdf, point.pdf, 0.0, 0.0, point.position, NONE);
     }
     let distance = sqrt(distance_squared);
     let wi = between / distance;
     if (may_have(FEATURE_POINT_LIGHTS) && light.kind == LIGHT_POINT) {
         let arriving = point.emission * (cone_falloff(load_cone(light), -wi) / distance_squared);
-        return LightSample(wi, distance, arriving, point.pdf, 0.0, 1.0 / (light.measure * distance_squared), point.position, NONE);
+        return LightSample(wi, distance, arriving, pdf, point.pdf, 0.0, 1.0 / (light.measure * distance_squared), point.position, NONE);
     }
     let cos_light = dot(point.normal, -wi);
     let radiance = select(vec3<f32>(0.0), point.emission, emits_towards(cos_light, point.emits_back));
     let geometry = abs(cos_light) / distance_squared;
     let end = offset_origin(point.position, select(-point.normal, point.normal, cos_light > 0.0));
-    return LightSample(wi, distance, radiance * geometry, point.pdf, geometry,
+    return LightSample(wi, distance, radiance * geometry, pdf, point.pdf, geometry,
         emission_pdf_sa(cos_light, point.emits_back) / distance_squared, end, select(NONE, point.inside, cos_light < 0.0));
 }
 

@@ -24,6 +24,8 @@ const FLAG_ONE_STRATEGY: u32 = 128u;
 const FLAG_RAW: u32 = 256u;
 /// Random numbers are Sobol points.
 const FLAG_SOBOL: u32 = 512u;
+/// Next-event estimation draws lights by the tree over them, not by power.
+const FLAG_LIGHT_TREE: u32 = 1024u;
 
 struct Params {
     camera: Camera,
@@ -76,6 +78,9 @@ struct Params {
     /// Materials' records of textures.
     slots_at: u32,
     n_lights: u32,
+    /// The tree over lights, and the ways to its leaves (bindings/light_tree.wgsl).
+    light_tree_at: u32,
+    light_ways_at: u32,
     /// Triangles stored as they are in the world: ids below it. NONE where all are.
     n_baked: u32,
     n_instances: u32,
@@ -105,6 +110,11 @@ const GRID_ROW: u32 = 2097152u;
 /// The index of an invocation in its dispatch.
 fn invocation_index(id: vec3<u32>) -> u32 {
     return id.y * GRID_ROW + id.x;
+}
+
+/// Whether next-event estimation draws lights by the tree over them.
+fn uses_light_tree() -> bool {
+    return may_have(FEATURE_LIGHT_TREE) && has_flag(FLAG_LIGHT_TREE);
 }
 
 /// Whether contributions are told apart by the group of the light that they come from.

@@ -8,6 +8,9 @@ const PATH_STRIDE: u32 = 5u;
 const DEPTH_MASK: u32 = 0x7fffu;
 const PARALLEL_BIT: u32 = 0x8000u;
 
+/// Path.facing where lights shine on both sides, or no light was drawn. No vector is packed so.
+const NO_FACING: u32 = 0x80008000u;
+
 @group(0) @binding(4) var<storage, read_write> paths: array<vec4<f32>>;
 
 struct Path {
@@ -28,6 +31,14 @@ struct Path {
     mis: MisState,
     /// The medium (material) the ray is in, or NONE.
     medium: u32,
+    /// The side of the vertex that it left which lights were drawn for there (oct_encode), or NO_FACING.
+    facing: u32,
+}
+
+/// Whether paths keep that side, in the place of MisState.ending, which is 1 where not single-step. There
+/// lights are drawn for both sides.
+fn keeps_facing() -> bool {
+    return uses_light_tree() && params.join != JOIN_SINGLE_STEP;
 }
 
 fn load_path(id: u32) -> Path {
@@ -38,7 +49,8 @@ fn load_path(id: u32) -> Path {
     let d = paths[at + 3u];
     let counts = bitcast<u32>(b.w);
     return Path(a.xyz, bitcast<u32>(a.w), b.xyz, counts & DEPTH_MASK, counts >> 16u, (counts & PARALLEL_BIT) != 0u, c.xyz,
-        bitcast<u32>(c.w), MisState(d.x, d.y, d.z), bitcast<u32>(d.w));
+        bitcast<u32>(c.w), MisState(d.x, d.y, select(d.z, 1.0, keeps_facing())), bitcast<u32>(d.w),
+        select(NO_FACING, bitcast<u32>(d.z), keeps_facing()));
 }
 
 fn store_path(id: u32, path: Path) {
@@ -47,7 +59,8 @@ fn store_path(id: u32, path: Path) {
     paths[at] = vec4<f32>(path.origin, bitcast<f32>(path.index));
     paths[at + 1u] = vec4<f32>(path.direction, bitcast<f32>(counts));
     paths[at + 2u] = vec4<f32>(path.throughput, bitcast<f32>(path.sample));
-    paths[at + 3u] = vec4<f32>(path.mis.dvcm, path.mis.dvc, path.mis.ending, bitcast<f32>(path.medium));
+    paths[at + 3u] = vec4<f32>(path.mis.dvcm, path.mis.dvc, select(path.mis.ending, bitcast<f32>(path.facing), keeps_facing()),
+        bitcast<f32>(path.medium));
 }
 
 /// The place in the batch of a path that is a pixel sample's.

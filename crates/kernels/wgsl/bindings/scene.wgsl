@@ -1,6 +1,6 @@
-// The packed scene: tables of albedos and materials (bindings/material.wgsl), then lights, the
-// environment, triangles' surfaces with their attributes, instances, pre-generated numbers, and what
-// textures are looked up by, all as vec4 in one buffer (a stage has 8).
+// The packed scene: tables of albedos and materials (bindings/material.wgsl), then lights, the tree over
+// them, the environment, triangles' surfaces with their attributes, instances, pre-generated numbers, and
+// what textures are looked up by, all as vec4 in one buffer (a stage has 8).
 
 #include "bindings/surfaces.wgsl"
 

@@ -12,5 +12,5 @@ fn start_camera_path(id: u32, place: u32) {
     let ray = camera_sample(pixel, sample);
     let state = mis_begin_camera(mis_config(), ray.pdf);
     store_path(id, Path(ray.origin, pixel, ray.direction, 0u, 0u, params.camera.parallel != 0u, vec3<f32>(1.0), sample, state,
-        params.camera_medium));
+        params.camera_medium, NO_FACING));
 }

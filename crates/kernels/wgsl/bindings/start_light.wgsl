@@ -55,18 +55,23 @@ fn start_light_path(id: u32, place: u32) -> bool {
         state = mis_begin_light(config, point.pdf, point.pdf, pdf_direction, emitted.cos_light, ending);
     }
     store_path(id, Path(emitted.origin, index, emitted.direction, 0u, 0u, is_infinite(light), throughput, sample, state,
-        light.medium));
+        light.medium, NO_FACING));
     return true;
 }
 
-/// The group of a light path's light, where groups are kept apart: drawn again by the numbers that it
-/// was drawn by, so that a path under way needs no room for it.
+/// A light path's light: drawn again by the numbers that it was drawn by, so that a path under way needs
+/// no room for it.
+fn light_of_path(path: Path) -> u32 {
+    let u_point = random(path.index, path.sample, dimension(DRAW_LIGHT + DRAW_EMIT_POINT, 0u));
+    return pick_light(u_point.x); // there is a light: the path began at one
+}
+
+/// The group of a light path's light, where groups are kept apart.
 fn light_path_group(path: Path) -> u32 {
     if (!keeps_groups()) {
         return 0u;
     }
-    let u_point = random(path.index, path.sample, dimension(DRAW_LIGHT + DRAW_EMIT_POINT, 0u));
-    return load_light(pick_light(u_point.x)).group; // there is a light: the path began at one
+    return load_light(light_of_path(path)).group;
 }
 
 /// The next light paths of the batch, until one is there to be traced, in the slot of one that ended.

@@ -43,6 +43,34 @@ fn normal_towards(surface: Surface, direction: vec3<f32>) -> vec3<f32> {
     return select(-surface.ng, surface.ng, dot(surface.ng, direction) > 0.0);
 }
 
+/// The side of a vertex that lights are drawn for: that which it was reached from, and NO_FACING where it
+/// transmits.
+fn facing_of(vertex: Vertex) -> u32 {
+    if (!keeps_facing() || (may_have(FEATURE_TRANSMISSION) && transmits_density(vertex.surface.material))) {
+        return NO_FACING;
+    }
+    return oct_encode(normal_towards(vertex.surface, vertex.wo));
+}
+
+fn facing_normal(facing: u32) -> vec3<f32> {
+    if (facing == NO_FACING) {
+        return vec3<f32>(0.0);
+    }
+    return oct_decode(facing);
+}
+
+/// What a vertex's lights are drawn for: the place where a path begins that leaves on the side that it came
+/// from, so that one which goes on from there and hits a light finds the same chances.
+fn light_place(vertex: Vertex) -> LightPlace {
+    return LightPlace(offset_origin(vertex.surface.position, normal_towards(vertex.surface, vertex.wo)),
+        facing_normal(facing_of(vertex)));
+}
+
+/// The same of the vertex that a path left.
+fn light_place_left(path: Path) -> LightPlace {
+    return LightPlace(path.origin, facing_normal(path.facing));
+}
+
 /// Numbers for scattering (x, y, z) and roulette (w).
 fn scatter_numbers(path: Path, stream: u32) -> vec4<f32> {
     return random(path.index, path.sample, dimension(stream + DRAW_SCATTER, path.depth));
@@ -73,6 +101,7 @@ fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> 
     next.direction = scattered.wi;
     next.depth = path.depth + 1u;
     next.parallel = false;
+    next.facing = facing_of(vertex);
     next.medium = medium_towards(path.medium, surface, vertex.material, vertex.wo, scattered.wi);
     return next;
 }

@@ -23,6 +23,7 @@
 #include "lib/bsdf_sampling.wgsl"
 #include "lib/bsdf.wgsl"
 #include "lib/light.wgsl"
+#include "lib/light_tree.wgsl"
 #include "lib/texture.wgsl"
 #include "lib/environment.wgsl"
 #include "lib/mis.wgsl"

@@ -45,6 +45,8 @@ const FEATURE_WIDE: u32 = 1048576u;
 const FEATURE_DISPERSION: u32 = 2097152u;
 /// Coats whose normals are not those of the surface below.
 const FEATURE_COAT_NORMALS: u32 = 4194304u;
+/// The tree over lights is descended.
+const FEATURE_LIGHT_TREE: u32 = 8388608u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {

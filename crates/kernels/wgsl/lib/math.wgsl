@@ -8,6 +8,8 @@ const PI_OVER_2: f32 = 1.57079632679490;
 const LOG2_E: f32 = 1.44269504088896;
 /// The largest finite f32.
 const F32_MAX: f32 = 3.40282346638529e38;
+/// The greatest f32 below 1.
+const LAST_BELOW_ONE: f32 = 0.99999994;
 /// No triangle, no light, no path, no link.
 const NONE: u32 = 0xffffffffu;
 

@@ -38,7 +38,7 @@ fn sample_linear(u: f32, a: f32, b: f32) -> f32 {
     let p = a / larger;
     let q = b / larger;
     let denominator = p + sqrt(mix(p * p, q * q, u));
-    return min(u * (p + q) / max(denominator, 1e-30), 0.99999994);
+    return min(u * (p + q) / max(denominator, 1e-30), LAST_BELOW_ONE);
 }
 
 /// A direction uniform in the cone about an axis whose cap is `height` = 1 - cos high.

@@ -15,6 +15,13 @@ fn oct_decode(packed: u32) -> vec3<f32> {
     return normalize(vec3<f32>(x, y, z)); // not zero: the absolute values add up to 1
 }
 
+/// The octahedral map of a unit vector.
+fn oct_encode(v: vec3<f32>) -> u32 {
+    let e = v.xy / (abs(v.x) + abs(v.y) + abs(v.z)); // > 0: the vector is unit
+    let fold = (1.0 - abs(e.yx)) * vec2<f32>(select(-1.0, 1.0, e.x >= 0.0), select(-1.0, 1.0, e.y >= 0.0));
+    return pack2x16snorm(select(fold, e, v.z >= 0.0));
+}
+
 /// The unit shading normal in ng's hemisphere from interpolated normals; ng where they cancel.
 fn shading_normal(ng: vec3<f32>, blend: vec3<f32>) -> vec3<f32> {
     let size2 = dot(blend, blend);

@@ -2,6 +2,7 @@
 
 mod environment;
 mod geometry;
+mod light_tree;
 mod lights;
 mod materials;
 mod normals;
@@ -19,15 +20,17 @@ use midway_scene::{Camera, Scene, Sphere};
 use self::{
     environment::pack_environment,
     geometry::{pack_surfaces, pack_triangles},
+    light_tree::pack_light_tree,
     lights::pack_lights,
     materials::{albedo_tables, pack_material},
     slots::pack_slots,
     textures::{PackedImages, TextureTable, mean_color, srgb_table},
 };
 use crate::{
-    RenderError,
+    RenderError, RenderSettings,
     environment::EnvironmentMap,
     features::scene_features,
+    light_tree::LightTree,
     lights::Lights,
     medium::{CameraMedia, MediumFinder},
     world::{World, hierarchy_of},
@@ -48,6 +51,10 @@ pub struct PackedScene {
     pub scene: Vec<Word4>,
     /// Where lights start in `scene`, in vec4.
     pub lights_at: u32,
+    /// Where the tree over lights starts, or the kernels' NONE where they are drawn by power alone.
+    pub light_tree_at: u32,
+    /// Where the ways to its leaves start.
+    pub light_ways_at: u32,
     /// Where the environment starts, or the kernels' NONE.
     pub environment_at: u32,
     /// Around all triangles.
@@ -86,17 +93,19 @@ pub struct PackedScene {
 
 impl PackedScene {
     /// Packs a scene as seen by a camera for a kind of device, which decides by which hierarchy it is
-    /// traversed. `rng_table`: how many random numbers to pre-generate.
+    /// traversed. Of `settings` it has what is fixed from the start: pre-generated random numbers, and the
+    /// tree over lights.
     ///
     /// # Errors
     /// If the scene is invalid or no hierarchy can be built over it.
     pub fn new(
         scene: &Scene,
         camera: &Camera,
-        rng_table: Option<u32>,
+        settings: &RenderSettings,
         device: DeviceKind,
     ) -> Result<Self, RenderError> {
         scene.validate()?;
+        let rng_table = settings.rng.table();
         let world = World::new(scene)?;
         let positions = world.baked_positions();
         let hierarchy = hierarchy_of(device, scene);
@@ -121,6 +130,8 @@ impl PackedScene {
         let lights_at = words.len() as u32;
         let groups = scene.light_groups();
         pack_lights(&lights, &groups, &world, &media, &mut words);
+        let tree = LightTree::wanted(settings.light_sampling, &lights, &world, sphere.radius);
+        let tree_at = pack_light_tree(tree.as_ref(), &mut words);
         let environment_at = environment.as_ref().map_or(k::NONE, |_| words.len() as u32);
         if let Some(environment) = &environment {
             pack_environment(environment, lights.environment(), &mut words);
@@ -145,6 +156,7 @@ impl PackedScene {
             (!textures.words().is_empty(), k::FEATURE_TEXTURES),
             (rng_table.is_some(), k::FEATURE_RANDOM_TABLE),
             (hierarchy == Width::Wide, k::FEATURE_WIDE),
+            (tree_at.nodes != k::NONE, k::FEATURE_LIGHT_TREE),
         ];
         let features =
             set.iter().filter(|(has, _)| *has).fold(scene_features(scene), |all, (_, bit)| all | bit);
@@ -155,6 +167,8 @@ impl PackedScene {
             media: CameraMedia::keep(&world, two_level, positions).map(Arc::new),
             scene: words,
             lights_at,
+            light_tree_at: tree_at.nodes,
+            light_ways_at: tree_at.ways,
             environment_at,
             sphere,
             surfaces_at: at.surfaces,

@@ -1,6 +1,6 @@
 //! A scene for measuring that needs no file.
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Quat, Vec3};
 use midway_kernels::native;
 use midway_scene::{Camera, Instance, Light, LightKind, Material, Mesh, Scene, Surface};
 
@@ -40,6 +40,39 @@ pub fn add_point_lights(scene: &mut Scene, n: u32) {
         let position = bounds.centre() + 1.2 * size * (Vec3::new(x, y, z) - 0.5);
         Light { name: String::new(), kind: LightKind::Point { position, intensity }, group: None }
     }));
+}
+
+/// `n` small triangles that emit, every which way, in and around the scene; neither their area nor the
+/// sum of their power depends on `n`.
+pub fn add_lamps(scene: &mut Scene, n: u32) {
+    let bounds = scene.bounds();
+    let size = bounds.diagonal();
+    let side = 0.1 * size.length() / (n.max(1) as f32).sqrt();
+    let mut mesh =
+        Mesh { name: "lamps".to_owned(), material: scene.materials.len() as u32, ..Mesh::default() };
+    for lamp in 0..n {
+        let [x, y, z, turn] = native::random4(lamp, 0, 0, 3);
+        let [u, v, ..] = native::random4(lamp, 0, 0, 4);
+        let place = bounds.centre() + 1.2 * size * (Vec3::new(x, y, z) - 0.5);
+        let height = 2.0 * u - 1.0;
+        let azimuth = std::f32::consts::TAU * v;
+        let normal =
+            Vec3::new(azimuth.cos(), azimuth.sin(), 0.0) * (1.0 - height * height).sqrt() + height * Vec3::Z;
+        let along = normal.any_orthonormal_vector();
+        let along = side * Quat::from_axis_angle(normal, std::f32::consts::TAU * turn).mul_vec3(along);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([place, place + along, place + normal.cross(along)]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+    }
+    let mut material = Material::new(Surface::diffuse(Vec3::ZERO));
+    material.emission.value = Vec3::splat(400.0);
+    scene.materials.push(material);
+    scene.instances.push(Instance {
+        mesh: scene.meshes.len() as u32,
+        world_from_mesh: Mat4::IDENTITY,
+        light_group: None,
+    });
+    scene.meshes.push(mesh);
 }
 
 fn add_ball(mesh: &mut Mesh, centre: Vec3, radius: f32, seed: u32) {

@@ -18,7 +18,7 @@ use midway_scene::Scene;
 
 use crate::RenderError;
 
-pub use generated::{add_point_lights, generated_scene};
+pub use generated::{add_lamps, add_point_lights, generated_scene};
 use measure::Bench;
 
 /// Rays of each kind on a GPU, unless said: those of the yardstick that goals are in.

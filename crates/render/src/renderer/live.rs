@@ -55,13 +55,17 @@ impl Renderer {
     /// After an error the renderer is as it was.
     ///
     /// # Errors
-    /// If the settings are invalid or ask for another table of random numbers, or the device fails or is too small.
+    /// If the settings are invalid or ask for another table of random numbers or another
+    /// [`crate::LightSampling`], or the device fails or is too small.
     pub fn set_settings(&mut self, settings: RenderSettings) -> Result<(), RenderError> {
         settings.validate()?;
         if settings.rng.table() != self.settings.rng.table() {
             return Err(RenderError::Settings(
                 "a table of random numbers is fixed from the start".to_owned(),
             ));
+        }
+        if settings.light_sampling != self.settings.light_sampling {
+            return Err(RenderError::Settings("how lights are chosen is fixed from the start".to_owned()));
         }
         if settings == self.settings {
             return Ok(());

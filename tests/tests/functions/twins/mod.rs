@@ -80,8 +80,14 @@ fn every_probe_is_run() {
         // Those have tests of their own.
         assert!(
             listed
-                || ["probe_traversal", "probe_surface", "probe_texture", "probe_environment"]
-                    .contains(&kernel.name),
+                || [
+                    "probe_traversal",
+                    "probe_surface",
+                    "probe_texture",
+                    "probe_environment",
+                    "probe_light_tree"
+                ]
+                .contains(&kernel.name),
             "{} is run by no test",
             kernel.name
         );

@@ -4,7 +4,7 @@ use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::{DVec3, EulerRot, Mat4, Quat, Vec2, Vec3, Vec4};
 use midway_device::{Device, DeviceKind};
 use midway_kernels::layout::Params;
-use midway_render::PackedScene;
+use midway_render::{PackedScene, RenderSettings};
 use midway_scene::{Instance, Mesh, Scene, WorldTriangle};
 use midway_tests::{
     estimate::{cpu, gpu},
@@ -153,7 +153,8 @@ fn expected_tangent(t: &WorldTriangle, blend: impl Fn([DVec3; 3]) -> DVec3) -> (
 #[test]
 fn surfaces_are_the_hosts_placed_and_mirrored_ones_too() {
     let scene = scene();
-    let packed = PackedScene::new(&scene, &scene.cameras[0], None, DeviceKind::Cpu).expect("packed");
+    let packed = PackedScene::new(&scene, &scene.cameras[0], &RenderSettings::default(), DeviceKind::Cpu)
+        .expect("packed");
     assert_eq!(packed.n_instances, 15);
     let world: Vec<WorldTriangle> = scene.world_triangles().collect();
     // Baked: the lamp and the plain ball, the first and the last of the world's order.
