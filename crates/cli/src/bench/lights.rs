@@ -11,6 +11,9 @@ use serde_json::{Value, json};
 use super::measured::{Bench, Measured, Until, finish, open};
 use crate::{args::LightsArgs, console, status::Outcome};
 
+/// Puts so many lights into a scene.
+type AddLights = fn(&mut Scene, u32);
+
 /// Of the scene, in balls of 1024: several lights of the most for each.
 const TRIANGLES: u32 = 1 << 20;
 
@@ -24,7 +27,7 @@ pub fn run(args: &LightsArgs) -> Outcome {
     for path in &args.scenes {
         compare(&Bench::load(&device, path, args.size.size())?, args, &mut rows)?;
     }
-    let kinds: [(&str, fn(&mut Scene, u32)); 2] = [("points", add_point_lights), ("lamps", add_lamps)];
+    let kinds: [(&str, AddLights); 2] = [("points", add_point_lights), ("lamps", add_lamps)];
     for (kind, add) in kinds.into_iter().filter(|_| args.scenes.is_empty()) {
         for &n in &args.lights {
             let mut scene = generated_scene(TRIANGLES);
