@@ -13,7 +13,8 @@ use glam::Vec3;
 use midway_device::{CpuDevice, Device};
 use midway_film::{Display, Image, ToneMap};
 use midway_render::{
-    Aov, Crop, Integrator, IntegratorSettings, Join, LightPaths, RenderError, RenderSettings, Renderer, Rng,
+    Aov, Crop, Integrator, IntegratorSettings, Join, LightPaths, LightSampling, RenderError, RenderSettings,
+    Renderer, Rng,
 };
 use midway_scene::{Camera, Scene};
 
@@ -138,6 +139,7 @@ fn refused_changes_leave_the_renderer_as_it_was() {
     for settings in [
         RenderSettings { width: 0, ..by(path()) },
         RenderSettings { rng: Rng::Table(64), ..by(path()) },
+        RenderSettings { light_sampling: LightSampling::Tree, ..by(path()) },
         by(k_step(0)),
     ] {
         assert!(matches!(live.set_settings(settings), Err(RenderError::Settings(_))));

@@ -11,6 +11,9 @@ use serde_json::{Value, json};
 use super::measured::{Bench, Measured, Until, finish, open};
 use crate::{args::LightsArgs, console, status::Outcome};
 
+/// Puts so many lights into a scene.
+type AddLights = fn(&mut Scene, u32);
+
 /// Of the scene, in balls of 1024: several lights of the most for each.
 const TRIANGLES: u32 = 1 << 20;
 
