@@ -17,9 +17,6 @@ type AddLights = fn(&mut Scene, u32);
 /// Of the scene, in balls of 1024: several lights of the most for each.
 const TRIANGLES: u32 = 1 << 20;
 
-/// Adds as many lights to a scene.
-type AddLights = fn(&mut Scene, u32);
-
 /// Measures each scene, or each kind and number of lights, by each integrator.
 ///
 /// # Errors
