@@ -68,6 +68,10 @@ pub struct CompareArgs {
 pub struct InfoArgs {
     /// The scene (.gltf, .glb, .obj).
     pub scene: PathBuf,
+    /// Take the materials of this variant of the scene's, by its name
+    /// [default: the materials that the file shows by itself]
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
     /// Print one JSON object.
     #[arg(long)]
     pub json: bool,

@@ -5,3 +5,4 @@ mod comparing;
 mod rendering;
 mod showing;
 mod support;
+mod variants;
