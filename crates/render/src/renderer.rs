@@ -531,7 +531,8 @@ impl Renderer {
     /// Doubles or halves a GPU's batch by how long its lists of commands took; any batch gives the
     /// same samples.
     fn adapt_batch(&self, n: u32, lane: &Lane) {
-        if self.device.info().kind == DeviceKind::Cpu {
+        // A software GPU has no watchdog, and its lists take their time whatever they hold.
+        if self.device.info().kind != DeviceKind::Gpu {
             return;
         }
         let longest = lane.take_longest_run();
