@@ -15,6 +15,7 @@ mod instances;
 mod joins;
 mod layers;
 mod light_groups;
+mod megakernel;
 mod normal_maps;
 mod references;
 mod repeatability;

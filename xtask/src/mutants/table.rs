@@ -85,7 +85,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "splat-not-divided-by-light-paths",
-        file: "connect_camera.wgsl",
+        file: "bindings/splat.wgsl",
         find: "cosine * pdf_camera / params.splat_factor * strategy_weight",
         replace: "cosine * pdf_camera * strategy_weight",
         caught_by: FACING_SQUARES,
@@ -184,7 +184,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "environment-hit-without-its-rivals",
-        file: "shade_camera.wgsl",
+        file: "bindings/camera_step.wgsl",
         find: "weight = mis_weight_hit(config, path.mis, factor, pdf_direct, pdf_emission);",
         replace: "weight = mis_weight_hit(config, path.mis, factor, 0.0, pdf_emission);",
         caught_by: SKY,
@@ -205,7 +205,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "splats-through-the-middle-of-the-lens",
-        file: "connect_camera.wgsl",
+        file: "bindings/splat.wgsl",
         find: "let start = camera_start(params.camera, film_point.xy, lens);",
         replace: "let start = params.camera.origin;",
         caught_by: LENS,
@@ -219,7 +219,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "splat-without-its-filters-sum",
-        file: "connect_camera.wgsl",
+        file: "bindings/splat.wgsl",
         find: "column.weight * row.weight",
         replace: "1.0",
         caught_by: FILTERS,

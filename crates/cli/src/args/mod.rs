@@ -12,8 +12,8 @@ use clap::{Args, Parser, Subcommand};
 use crate::status::Status;
 
 pub use bench::{
-    Bench, BenchArgs, BenchDevice, EqualTimeArgs, HoldArgs, IntegratorBenchArgs, RaysArgs, SamplingArgs,
-    ScalingArgs, TablesArgs,
+    BaselineArgs, Bench, BenchArgs, BenchDevice, EqualTimeArgs, HoldArgs, IntegratorBenchArgs, RaysArgs,
+    SamplingArgs, ScalingArgs, TablesArgs,
 };
 pub use render::RenderArgs;
 pub use values::{

@@ -24,6 +24,8 @@ const FLAG_ONE_STRATEGY: u32 = 128u;
 const FLAG_RAW: u32 = 256u;
 /// Random numbers are Sobol points.
 const FLAG_SOBOL: u32 = 512u;
+/// bench_megakernel counts its rays.
+const FLAG_COUNT_RAYS: u32 = 1024u;
 
 struct Params {
     camera: Camera,
@@ -154,4 +156,9 @@ fn strategy_weight(s: u32, t: u32, mis_weight: f32) -> f32 {
         return 0.0;
     }
     return select(mis_weight, 1.0, has_flag(FLAG_RAW));
+}
+
+/// Whether a contribution is worth a ray. NaN is: it must reach the film to be counted.
+fn contributes(rgb: vec3<f32>) -> bool {
+    return !all(rgb == vec3<f32>(0.0));
 }
