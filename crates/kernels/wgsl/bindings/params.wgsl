@@ -25,7 +25,7 @@ const FLAG_RAW: u32 = 256u;
 /// Random numbers are Sobol points.
 const FLAG_SOBOL: u32 = 512u;
 /// bench_megakernel counts its rays.
-const FLAG_COUNT_RAYS: u32 = 1024u;
+const FLAG_COUNT_RAYS: u32 = 2048u;
 
 struct Params {
     camera: Camera,
