@@ -17,13 +17,13 @@ use crate::{
 /// # Errors
 /// [`Status::Input`] if it cannot be read, or cannot be rendered.
 pub fn run(args: &InfoArgs) -> Outcome {
-    let loaded = scene_file::load(&args.scene)?;
+    let loaded = scene_file::load_variant(&args.scene, args.variant.as_deref())?;
     let memory = Memory::of(&loaded.scene)?;
     if args.json {
         return console::output(&to_json(&loaded, &memory).to_string());
     }
     scene_file::print_warnings(&loaded.warnings());
-    let lines = to_lines(&loaded.scene);
+    let lines = to_lines(&loaded);
     lines.iter().chain([&memory.to_line()]).try_for_each(|line| console::output(line))
 }
 
@@ -78,6 +78,8 @@ fn to_json(loaded: &LoadedScene, memory: &Memory) -> Value {
         "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
         "images": counts.images,
         "memory": memory.to_json(),
+        "variants": loaded.variants,
+        "variant": loaded.variant,
         "materials": Value::from_iter(scene.materials.iter().map(material_json)),
         "cameras": Value::from_iter(scene.cameras.iter().map(camera_json)),
         "lighting": light_info::to_json(scene),
@@ -112,7 +114,8 @@ fn camera_json(camera: &Camera) -> Value {
 }
 
 /// What a scene holds, for people.
-pub fn to_lines(scene: &Scene) -> Vec<String> {
+pub fn to_lines(loaded: &LoadedScene) -> Vec<String> {
+    let scene = &loaded.scene;
     let counts = scene.counts();
     let Bounds { min, max } = scene.bounds();
     let mut lines = vec![
@@ -132,6 +135,7 @@ pub fn to_lines(scene: &Scene) -> Vec<String> {
         format!("  {index} {}: {view}{aspect}", name(&camera.name))
     }));
     lines.extend(light_info::to_lines(scene));
+    lines.extend(variant_lines(loaded));
     lines.push(format!("materials  {}", counts.materials));
     lines.extend(scene.materials.iter().enumerate().map(|(index, material)| {
         let [r, g, b] = material.emission.value.to_array();
@@ -139,6 +143,18 @@ pub fn to_lines(scene: &Scene) -> Vec<String> {
         format!("  {index} {}: {}{emits}", name(&material.name), surface_name(&material.surface))
     }));
     lines
+}
+
+/// Nothing where the file has none.
+fn variant_lines(loaded: &LoadedScene) -> Vec<String> {
+    let LoadedScene { variants, variant, .. } = loaded;
+    let taken = match variant {
+        Some(name) => format!("{name} is taken"),
+        None => "the default materials are taken, --variant NAME takes one".to_owned(),
+    };
+    let first = (!variants.is_empty()).then(|| format!("variants   {}: {taken}", variants.len()));
+    let names = variants.iter().enumerate().map(|(index, variant)| format!("  {index} {}", name(variant)));
+    first.into_iter().chain(names).collect()
 }
 
 fn name(name: &str) -> &str {

@@ -2,19 +2,23 @@
 
 use std::path::Path;
 
-use midway_import::{NO_LIGHT, Warning, WarningKind};
+use midway_import::{ImportError, NO_LIGHT, Warning, WarningKind};
 use midway_scene::Scene;
 
 use crate::{
     args::LightGroupsArg,
     console,
-    status::{Failure, OrStatus, Outcome, Status},
+    status::{Failure, Outcome, Status},
 };
 
 /// A scene that can be rendered.
 pub struct LoadedScene {
     /// Valid by [`Scene::validate`], as the importer promises.
     pub scene: Scene,
+    /// Names of the file's variants of materials.
+    pub variants: Vec<String>,
+    /// The one that was taken.
+    pub variant: Option<String>,
     /// What the file has and Midway does not use, once each.
     warnings: Vec<String>,
 }
@@ -32,13 +36,25 @@ impl LoadedScene {
     }
 }
 
-/// Reads and checks a scene file.
+/// Reads and checks a scene file, with the materials that it has by default.
 ///
 /// # Errors
 /// [`Status::Input`], naming the file.
 pub fn load(path: &Path) -> Outcome<LoadedScene> {
-    let import = midway_import::load(path).or_status(Status::Input)?;
-    let mut loaded = LoadedScene { scene: import.scene, warnings: Vec::new() };
+    load_variant(path, None)
+}
+
+/// Reads and checks a scene file, with the materials of a variant where one is named.
+///
+/// # Errors
+/// [`Status::Usage`] where there is no such variant, with those that there are, else as [`load`].
+pub fn load_variant(path: &Path, variant: Option<&str>) -> Outcome<LoadedScene> {
+    let import = midway_import::load_variant(path, variant).map_err(|error| match error {
+        ImportError::UnknownVariant { .. } => Failure::usage(format!("--variant: {error}")),
+        _ => Failure::new(Status::Input, error),
+    })?;
+    let (variants, variant) = (import.variants, variant.map(str::to_owned));
+    let mut loaded = LoadedScene { scene: import.scene, variants, variant, warnings: Vec::new() };
     // Flags may bring light: whether there is any is asked when the warnings are.
     let of_file = import.warnings.into_iter().filter(|warning| warning.kind != WarningKind::NoLight);
     loaded.warn(&of_file.collect::<Vec<_>>());

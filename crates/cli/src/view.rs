@@ -26,7 +26,10 @@ const DEFAULT_HEIGHT: f32 = 512.0;
 pub fn run(args: &ViewArgs) -> Outcome<Status> {
     let interrupt = Interrupt::install()?;
     let (mut scene, name) = match &args.scene {
-        Some(path) => (load(path)?, path.file_name().unwrap_or_default().to_string_lossy().into_owned()),
+        Some(path) => (
+            load(path, args.variant.as_deref())?,
+            path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        ),
         None => (Scene::default(), "no scene".to_owned()),
     };
     scene_file::group_lights(&mut scene, args.light_groups.as_ref())?;
@@ -57,8 +60,8 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
     Ok(Status::Success)
 }
 
-fn load(path: &Path) -> Outcome<Scene> {
-    let loaded = scene_file::load(path)?;
+fn load(path: &Path, variant: Option<&str>) -> Outcome<Scene> {
+    let loaded = scene_file::load_variant(path, variant)?;
     scene_file::print_warnings(&loaded.warnings());
     Ok(loaded.scene)
 }

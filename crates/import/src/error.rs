@@ -142,6 +142,16 @@ pub enum ImportError {
         /// Its name.
         extension: String,
     },
+    /// A variant of materials that the file does not have.
+    #[error("{}: there is no variant {name:?}{}", path.display(), known_variants(known))]
+    UnknownVariant {
+        /// As given.
+        path: PathBuf,
+        /// As given.
+        name: String,
+        /// The names of those that there are.
+        known: Vec<String>,
+    },
     /// More than can be held, or than a file of this size has any reason to ask for.
     #[error("{place}: {what} (the limit is {limit}); split or simplify the scene")]
     TooBig {
@@ -166,4 +176,19 @@ pub enum ImportError {
         /// What is wrong.
         source: SceneError,
     },
+}
+
+impl ImportError {
+    pub(crate) fn unknown_variant(path: &Path, name: &str, known: Vec<String>) -> Self {
+        Self::UnknownVariant { path: path.to_owned(), name: name.to_owned(), known }
+    }
+}
+
+/// What is said of the variants that there are, on one line.
+fn known_variants(known: &[String]) -> String {
+    if known.is_empty() {
+        return ": the file has none".to_owned();
+    }
+    let quoted: Vec<String> = known.iter().map(|name| format!("{name:?}")).collect();
+    format!("; there are: {}", quoted.join(", "))
 }

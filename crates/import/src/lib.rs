@@ -51,6 +51,9 @@ pub struct Import {
     /// Valid: [`Scene::validate`] has passed. Has at least one camera, framed on the bounds where
     /// the file has none.
     pub scene: Scene,
+    /// The names of the file's variants of materials (`KHR_materials_variants`), of which
+    /// [`load_variant`] takes one.
+    pub variants: Vec<String>,
     /// What the file says and the scene does not.
     pub warnings: Vec<Warning>,
 }
@@ -61,29 +64,64 @@ pub struct Import {
 ///
 /// [`ImportError`], one clear line: what is wrong, where, and what to do.
 pub fn load(path: &Path) -> Result<Import, ImportError> {
-    let (scene, warnings) = load_with_warnings(path);
-    Ok(Import { scene: scene?, warnings })
+    load_variant(path, None)
+}
+
+/// Like [`load`], with the materials of the variant of that name; without one, those that the file
+/// has by default.
+///
+/// # Errors
+///
+/// [`ImportError::UnknownVariant`] where there is no such variant, else as [`load`].
+pub fn load_variant(path: &Path, variant: Option<&str>) -> Result<Import, ImportError> {
+    let mut warnings = Warnings::default();
+    let (scene, variants) = load_complete(path, variant, &mut warnings)?;
+    Ok(Import { scene, variants, warnings: warnings.into_list() })
 }
 
 /// Like [`load`], with the warnings that there were before the error where there is one.
 pub fn load_with_warnings(path: &Path) -> (Result<Scene, ImportError>, Vec<Warning>) {
     let mut warnings = Warnings::default();
-    let scene = read(path, &mut warnings).and_then(|mut scene| {
-        complete(path, &mut scene, &mut warnings)?;
-        Ok(scene)
-    });
+    let scene = load_complete(path, None, &mut warnings).map(|(scene, _)| scene);
     (scene, warnings.into_list())
 }
 
+fn load_complete(
+    path: &Path,
+    variant: Option<&str>,
+    warnings: &mut Warnings,
+) -> Result<(Scene, Vec<String>), ImportError> {
+    let (mut scene, variants) = if is_gltf(path)? {
+        gltf::load(path, variant, warnings)?
+    } else if let Some(name) = variant {
+        return Err(ImportError::unknown_variant(path, name, Vec::new()));
+    } else {
+        (read(path, warnings)?, Vec::new())
+    };
+    complete(path, &mut scene, warnings)?;
+    Ok((scene, variants))
+}
+
+fn extension_of(path: &Path) -> Option<String> {
+    path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase())
+}
+
+/// By its extension or, where that is no format's, by its content.
+fn is_gltf(path: &Path) -> Result<bool, ImportError> {
+    match extension_of(path).as_deref() {
+        Some("gltf" | "glb") => Ok(true),
+        Some("obj" | "pbrt" | "ply" | "xml") => Ok(false),
+        _ => files::starts_with(path, gltf::GLB_MAGIC),
+    }
+}
+
+/// A scene of any format but glTF.
 fn read(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    match extension.as_deref() {
-        Some("gltf" | "glb") => gltf::load(path, warnings),
+    match extension_of(path).as_deref() {
         Some("obj") => obj::load(path, warnings),
         Some("pbrt") => pbrt::load(path, warnings),
         Some("ply") => ply::load(path, warnings),
         Some("xml") => mitsuba::load(path, warnings),
-        _ if files::starts_with(path, gltf::GLB_MAGIC)? => gltf::load(path, warnings),
         _ => Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
     }
 }

@@ -10,6 +10,7 @@
 #include "bindings/paths.wgsl"
 #include "bindings/queues.wgsl"
 #include "bindings/start_light.wgsl"
+#include "bindings/linked_append.wgsl"
 
 @compute @workgroup_size(64)
 fn generate_light(@builtin(global_invocation_id) invocation: vec3<u32>) {

@@ -17,6 +17,7 @@
 #include "bindings/vertex.wgsl"
 #include "bindings/light_join.wgsl"
 #include "bindings/start_camera.wgsl"
+#include "bindings/camera_step.wgsl"
 
 @compute @workgroup_size(64)
 fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
@@ -30,96 +31,20 @@ fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
         push_path(id);
         return;
     }
-    if (shade(id, path)) {
-        push_path(id);
-        return;
+    let hit = load_hit(id);
+    if (hit.triangle == NONE) {
+        escape(path);
+    } else {
+        let next = step_camera(path, arrive(path, hit, 0u));
+        if (contributes(next.throughput)) {
+            store_path(id, next);
+            push_path(id);
+            return;
+        }
     }
     let waiting = take_place();
     if (waiting != NONE) {
         start_camera_path(id, waiting);
         push_path(id);
     }
-}
-
-/// Whether the path goes on.
-fn shade(id: u32, path: Path) -> bool {
-    let hit = load_hit(id);
-    if (hit.triangle == NONE) {
-        if (may_have(FEATURE_ENVIRONMENT) && params.environment_at != NONE && has_flag(FLAG_HIT)) {
-            add_environment(path);
-        }
-        return false;
-    }
-    let vertex = arrive(path, hit, 0u);
-    let t = path.depth + 2u; // with the lens and this vertex
-    if (vertex.surface.light != NONE) {
-        add_emission(path, vertex, t);
-    }
-    if (has_flag(FLAG_NEE) && params.n_lights != 0u && is_connectible(vertex.material) && length_allowed(1u, t)) {
-        sample_light(path, vertex);
-    }
-    let u = scatter_numbers(path, 0u);
-    if (u.w >= vertex.survival || !length_allowed(0u, t + 1u)) {
-        return false;
-    }
-    let factor = camera_previous_factor(mis_config(), t, vertex.mis, vertex.ending);
-    let next = scatter(path, vertex, factor, u.xyz, TRANSPORT_RADIANCE);
-    if (!contributes(next.throughput)) {
-        return false;
-    }
-    store_path(id, next);
-    return true;
-}
-
-/// Strategy (0, t): the path hit a light.
-fn add_emission(path: Path, vertex: Vertex, t: u32) {
-    let cos_front = dot(vertex.surface.ng, vertex.wo);
-    let radiance = emitted_radiance(vertex.material, cos_front);
-    if (!has_flag(FLAG_HIT) || !contributes(radiance)) {
-        return;
-    }
-    var weight = 1.0; // seen directly: by no other strategy
-    if (t > 2u) {
-        let config = mis_config();
-        let light = load_light(vertex.surface.light);
-        let pdf_position = light.pmf / light.measure; // measure > 0
-        let emits_back = (vertex.material.flags & MATERIAL_EMITS_BACK) != 0u;
-        let pdf_emission = pdf_position * emission_pdf_sa(cos_front, emits_back) * params.emitter_survival;
-        let ending_y = ending_chance(config, params.emitter_survival);
-        let factor = emitter_factor(config, ending_y, vertex.mis.ending);
-        let ratio = light_chance_ratio(vertex.surface.light, light, light_place_left(path));
-        weight = mis_weight_hit(config, vertex.mis, factor, pdf_position * ratio, pdf_emission);
-    }
-    film_add(path.index, group_of_light(vertex.surface.light), vertex.throughput * radiance * strategy_weight(0u, t, weight));
-}
-
-/// Strategy (0, t) at infinity, before any arrival: densities are per solid angle.
-fn add_environment(path: Path) {
-    let t = path.depth + 2u;
-    let environment = load_environment();
-    let seen = environment_towards(environment, path.direction);
-    var weight = 1.0; // seen directly: by no other strategy
-    if (t > 2u && environment.light != NONE) {
-        let config = mis_config();
-        let light = load_light(environment.light);
-        let pdf_position = light.pmf * seen.pdf;
-        let pdf_emission = pdf_position * params.emitter_survival / light.measure; // measure > 0
-        let factor = emitter_factor(config, ending_chance(config, params.emitter_survival), path.mis.ending);
-        let ratio = light_chance_ratio(environment.light, light, light_place_left(path));
-        weight = mis_weight_hit(config, path.mis, factor, pdf_position * ratio, pdf_emission);
-    }
-    film_add(path.index, group_of_light(environment.light),
-        path.throughput * medium_transmittance(path.medium, F32_MAX) * seen.radiance * strategy_weight(0u, t, weight));
-}
-
-/// Strategy (1, t): a point on a light drawn for this vertex.
-fn sample_light(path: Path, vertex: Vertex) {
-    let u = random(path.index, path.sample, dimension(DRAW_NEE, path.depth));
-    let drawn = draw_light(light_place(vertex), u.xw);
-    if (drawn.index == NONE) {
-        return;
-    }
-    let light = load_light(drawn.index);
-    let point = draw_light_point(light, u.yz, path.index, path.sample, dimension(DRAW_ENVIRONMENT, path.depth));
-    join_light(path, vertex, light.group, see_light(light, point, vertex.surface.position, drawn.ratio), 1.0, 1.0);
 }

@@ -8,10 +8,7 @@
 #include "bindings/queues.wgsl"
 #include "bindings/shadow_rays.wgsl"
 #include "bindings/film.wgsl"
-
-/// The part of a segment that is searched: its end lies on a surface, and the end of a long segment
-/// is known to 2^-24 of its length only, divided by the cosine it arrives at.
-const SEGMENT_END: f32 = 0.99999;
+#include "bindings/visibility.wgsl"
 
 @compute @workgroup_size(64)
 fn trace_shadow(@builtin(global_invocation_id) invocation: vec3<u32>) {
@@ -22,7 +19,7 @@ fn trace_shadow(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let at = index * SHADOW_STRIDE;
     let start = shadow_rays[at];
     let segment = shadow_rays[at + 1u];
-    if (!any_hit(start.xyz, segment.xyz, SEGMENT_END)) {
+    if (is_free(start.xyz, segment.xyz)) {
         film_add(bitcast<u32>(start.w), bitcast<u32>(segment.w), shadow_rays[at + 2u].xyz);
     }
 }

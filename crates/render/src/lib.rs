@@ -36,12 +36,12 @@ mod world;
 
 pub use aov::Aov;
 pub use auto::{Candidate, Choice, choose};
-pub use batch::KernelTimes;
+pub use batch::{KernelTimes, LaneTotals};
 pub use error::RenderError;
 pub use hold::{Hold, HoldLimits, Load};
 pub use pack::PackedScene;
 pub use record::BounceRays;
-pub use renderer::{RenderStats, Renderer};
+pub use renderer::{Megakernel, RenderStats, Renderer};
 pub use settings::{
     Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, LightSampling, Mis,
     OneStrategy, PixelFilter, RenderSettings, Rng,

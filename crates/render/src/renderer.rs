@@ -3,6 +3,7 @@
 mod display;
 mod groups;
 mod live;
+mod megakernel;
 mod shared;
 
 use std::{
@@ -18,8 +19,10 @@ use midway_film::{Channel, Image};
 use midway_kernels::{constants as k, layout::Params};
 use midway_scene::{Camera, Scene};
 
+pub use megakernel::Megakernel;
+
 use crate::{
-    BounceRays, Join, LightPaths, PackedScene, RenderError, RenderSettings,
+    BounceRays, Crop, Join, LightPaths, PackedScene, RenderError, RenderSettings,
     aov::Aovs,
     batch::{KernelTimes, Lane, LaneSize, LaneTotals, LaneUses},
     buffers::{BufferSet, Pipelines, dispatch},
@@ -318,14 +321,7 @@ impl Renderer {
 
     /// What was last put into the image.
     fn read_image(&self) -> Result<Image, RenderError> {
-        let bytes = self.device.read_buffer(&self.image, 0, u64::from(self.base.n_pixels) * 16)?;
-        let words: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
-        let window = self.settings.window();
-        Ok(Image {
-            width: window.width as usize,
-            height: window.height as usize,
-            pixels: words.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
-        })
+        read_image(&*self.device, &self.image, self.settings.window())
     }
 
     /// The channels of the layers that were asked for ([`RenderSettings::aovs`]), as they are so far.
@@ -554,7 +550,8 @@ impl Renderer {
     /// Doubles or halves a GPU's batch by how long its lists of commands took; any batch gives the
     /// same samples.
     fn adapt_batch(&self, n: u32, lane: &Lane) {
-        if self.device.info().kind == DeviceKind::Cpu {
+        // A software GPU has no watchdog, and its lists take their time whatever they hold.
+        if self.device.info().kind != DeviceKind::Gpu {
             return;
         }
         let longest = lane.take_longest_run();
@@ -698,6 +695,17 @@ fn make_film(
     set.insert("image", device.create_buffer("image", u64::from(n_pixels) * 16, BufferUsage::Storage)?);
     set.insert("film", film);
     Ok(())
+}
+
+/// The image of a window, from where `resolve` put it.
+fn read_image(device: &dyn Device, image: &Buffer, window: Crop) -> Result<Image, RenderError> {
+    let bytes = device.read_buffer(image, 0, u64::from(window.width) * u64::from(window.height) * 16)?;
+    let words: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+    Ok(Image {
+        width: window.width as usize,
+        height: window.height as usize,
+        pixels: words.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
+    })
 }
 
 /// L: the mean number of connectible vertices (s >= 2) of a light path, by a pilot of fixed seed.

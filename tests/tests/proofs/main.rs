@@ -16,6 +16,7 @@ mod joins;
 mod layers;
 mod light_groups;
 mod light_tree;
+mod megakernel;
 mod normal_maps;
 mod references;
 mod repeatability;

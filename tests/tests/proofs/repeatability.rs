@@ -16,7 +16,7 @@ const SIZE: usize = 48;
 /// Samples a pixel.
 const SAMPLES: u64 = 3;
 
-fn bits(image: &Image) -> Vec<u32> {
+pub fn bits(image: &Image) -> Vec<u32> {
     image.pixels.as_flattened().iter().map(|value| value.to_bits()).collect()
 }
 

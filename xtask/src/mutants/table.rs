@@ -86,7 +86,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "splat-not-divided-by-light-paths",
-        file: "connect_camera.wgsl",
+        file: "bindings/splat.wgsl",
         find: "cosine * pdf_camera / params.splat_factor * strategy_weight",
         replace: "cosine * pdf_camera * strategy_weight",
         caught_by: FACING_SQUARES,
@@ -185,8 +185,8 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "environment-hit-without-its-rivals",
-        file: "shade_camera.wgsl",
-        find: "weight = mis_weight_hit(config, path.mis, factor, pdf_direct, pdf_emission);",
+        file: "bindings/camera_step.wgsl",
+        find: "weight = mis_weight_hit(config, path.mis, factor, pdf_position * ratio, pdf_emission);",
         replace: "weight = mis_weight_hit(config, path.mis, factor, 0.0, pdf_emission);",
         caught_by: SKY,
     },
@@ -206,7 +206,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "splats-through-the-middle-of-the-lens",
-        file: "connect_camera.wgsl",
+        file: "bindings/splat.wgsl",
         find: "let start = camera_start(params.camera, film_point.xy, lens);",
         replace: "let start = params.camera.origin;",
         caught_by: LENS,
@@ -220,7 +220,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "splat-without-its-filters-sum",
-        file: "connect_camera.wgsl",
+        file: "bindings/splat.wgsl",
         find: "column.weight * row.weight",
         replace: "1.0",
         caught_by: FILTERS,
@@ -241,21 +241,21 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "hits-weigh-draws-by-power",
-        file: "shade_camera.wgsl",
+        file: "bindings/camera_step.wgsl",
         find: "vertex.mis, factor, pdf_position * ratio",
         replace: "vertex.mis, factor, pdf_position",
         caught_by: LIGHT_TREE,
     },
     Mutant {
         name: "escapes-weigh-draws-by-power",
-        file: "shade_camera.wgsl",
+        file: "bindings/camera_step.wgsl",
         find: "path.mis, factor, pdf_position * ratio",
         replace: "path.mis, factor, pdf_position",
         caught_by: LIGHT_TREE,
     },
     Mutant {
         name: "light-paths-weigh-draws-by-power",
-        file: "shade_light.wgsl",
+        file: "bindings/light_step.wgsl",
         find: "vertex.mis.dvcm *= mis_power(mis_config(), ratio);",
         replace: "vertex.mis.dvcm *= 1.0;",
         caught_by: LIGHT_TREE,

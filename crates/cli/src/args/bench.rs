@@ -31,6 +31,8 @@ pub enum Bench {
     Hold(HoldArgs),
     /// Time and rays a second of each kernel.
     Integrator(IntegratorBenchArgs),
+    /// The bidirectional integrator beside its plainest form: one kernel, a thread for each sample.
+    Baseline(BaselineArgs),
     /// The comparisons of Otte's paper (2014), with pictures.
     Tables(TablesArgs),
 }
@@ -240,6 +242,29 @@ pub struct IntegratorBenchArgs {
     /// Samples of a pixel.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
     pub spp: u64,
+    /// How large.
+    #[command(flatten)]
+    pub size: BenchSize,
+    /// On what.
+    #[command(flatten)]
+    pub device: BenchDevice,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `midway bench baseline`.
+#[derive(Args, Debug)]
+pub struct BaselineArgs {
+    /// The scenes; each is looked at through its first camera.
+    #[arg(required = true)]
+    pub scenes: Vec<PathBuf>,
+    /// Samples of a pixel.
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub spp: u32,
+    /// How often both are timed, in turn; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub rounds: u32,
     /// How large.
     #[command(flatten)]
     pub size: BenchSize,

@@ -12,8 +12,8 @@ use clap::{Args, Parser, Subcommand};
 use crate::status::Status;
 
 pub use bench::{
-    Bench, BenchArgs, BenchDevice, EqualTimeArgs, HoldArgs, IntegratorBenchArgs, LightsArgs, RaysArgs,
-    SamplingArgs, ScalingArgs, TablesArgs,
+    BaselineArgs, Bench, BenchArgs, BenchDevice, EqualTimeArgs, HoldArgs, IntegratorBenchArgs, LightsArgs,
+    RaysArgs, SamplingArgs, ScalingArgs, TablesArgs,
 };
 pub use render::RenderArgs;
 pub use values::{
@@ -68,6 +68,10 @@ pub struct CompareArgs {
 pub struct InfoArgs {
     /// The scene (.gltf, .glb, .obj).
     pub scene: PathBuf,
+    /// Take the materials of this variant of the scene's, by its name
+    /// [default: the materials that the file shows by itself]
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
     /// Print one JSON object.
     #[arg(long)]
     pub json: bool,

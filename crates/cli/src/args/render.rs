@@ -58,6 +58,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME=LIGHT+LIGHT,…", num_args = 0..=1, require_equals = true, default_missing_value = "", help_heading = "Output")]
     pub light_groups: Option<LightGroupsArg>,
 
+    /// Take the materials of this variant of the scene's, by its name; `midway info` lists them
+    /// [default: the materials that the file shows by itself]
+    #[arg(long, value_name = "NAME", help_heading = "Image")]
+    pub variant: Option<String>,
     /// Samples per pixel [default: 64, or no limit with --time]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=u32::MAX as u64), help_heading = "Image")]
     pub spp: Option<u64>,

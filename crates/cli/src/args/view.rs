@@ -12,6 +12,11 @@ pub struct ViewArgs {
     /// The scene (.gltf, .glb, .obj, .ply, .pbrt, .xml); none: drop one on the page.
     pub scene: Option<PathBuf>,
 
+    /// Take the materials of this variant of the scene's, by its name; `midway info` lists them
+    /// [default: the materials that the file shows by itself]
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub variant: Option<String>,
+
     /// Where the page is; 0 takes any free port.
     #[arg(long, value_name = "N", default_value_t = 7410, help_heading = "Server")]
     pub port: u16,

@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Of the two images.
-const SEEDS: [u32; 2] = [1, 2];
+pub const SEEDS: [u32; 2] = [1, 2];
 
 /// When an image is done.
 #[derive(Clone, Copy, Debug)]

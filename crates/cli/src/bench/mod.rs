@@ -1,5 +1,6 @@
 //! `midway bench`: measurements, one file for each.
 
+mod baseline;
 mod curves;
 mod equal_time;
 mod hold;
@@ -29,6 +30,7 @@ pub fn run(args: &BenchArgs) -> Outcome {
         Bench::Lights(args) => lights::run(args),
         Bench::Hold(args) => hold::run(args),
         Bench::Integrator(args) => integrator::run(args),
+        Bench::Baseline(args) => baseline::run(args),
         Bench::Tables(args) => tables::run(args),
     }
 }

@@ -13,6 +13,9 @@ pub fn of_request(args: &RenderArgs, scene: &Scene, frame: &Frame, device: &Devi
     let name = args.scene.file_name().unwrap_or(args.scene.as_os_str());
     header.set("scene", name.to_string_lossy().as_ref());
     header.set("scene_hash", scene.hash());
+    if let Some(variant) = &args.variant {
+        header.set("variant", variant.as_str());
+    }
     if let Some(path) = &args.env {
         let name = path.file_name().unwrap_or(path.as_os_str());
         header.set("environment", name.to_string_lossy().as_ref());

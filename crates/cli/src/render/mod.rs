@@ -51,14 +51,14 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     args.errors.as_deref().map_or(Ok(()), check_writable)?;
     let interrupt = Interrupt::install()?;
     let reporter = Reporter::new(args.progress, args.quiet);
-    let mut loaded = scene_file::load(&args.scene)?;
+    let mut loaded = scene_file::load_variant(&args.scene, args.variant.as_deref())?;
     environment::replace(args, &mut loaded)?;
     loaded.warnings().iter().for_each(|warning| reporter.warning(warning));
-    let LoadedScene { mut scene, .. } = loaded;
-    scene_file::group_lights(&mut scene, args.light_groups.as_ref())?;
+    scene_file::group_lights(&mut loaded.scene, args.light_groups.as_ref())?;
     if args.verbose {
-        info::to_lines(&scene).iter().for_each(|line| reporter.note(line));
+        info::to_lines(&loaded).iter().for_each(|line| reporter.note(line));
     }
+    let LoadedScene { scene, .. } = loaded;
     let frame = Frame::resolve(args, &scene)?;
     let options = OpenOptions { threads: args.threads.map(|n| n as usize), ..OpenOptions::default() };
     let devices = open_devices(&args.device, &options).or_status(Status::Device)?;

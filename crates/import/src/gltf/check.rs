@@ -133,6 +133,13 @@ const RULES: &[(&str, Rule)] = &[
     ("animations/*/samplers/*/input", Index("accessors")),
     ("animations/*/samplers/*/output", Index("accessors")),
     ("animations/*/samplers/*/interpolation", Word(&["LINEAR", "STEP", "CUBICSPLINE"])),
+    (
+        "meshes/*/primitives/*/extensions/KHR_materials_variants/mappings/*",
+        Required(&["material", "variants"]),
+    ),
+    ("extensions/KHR_materials_variants", Required(&["variants"])),
+    ("extensions/KHR_materials_variants/variants/*", Required(&["name"])),
+    ("extensions/KHR_materials_variants/variants/*/name", Text),
     ("extensions/KHR_lights_punctual", Required(&["lights"])),
     ("extensions/KHR_lights_punctual/lights/*", Required(&["type"])),
     ("extensions/KHR_lights_punctual/lights/*/type", Word(&["point", "spot", "directional"])),

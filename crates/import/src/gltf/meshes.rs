@@ -9,6 +9,7 @@ use super::{
     attributes::{Attributes, morph_weights, warn_of_attributes},
     draco,
     json::Json,
+    variants::Variants,
     warn_of_extensions,
 };
 use crate::{
@@ -25,6 +26,7 @@ pub(super) struct Meshes<'a> {
     list: Vec<Mesh>,
     accessors: Accessors<'a>,
     n_materials: usize,
+    variants: &'a Variants,
     uses_default_material: bool,
 }
 
@@ -34,13 +36,19 @@ const TRIANGLE_STRIP: u64 = 5;
 const TRIANGLE_FAN: u64 = 6;
 
 impl<'a> Meshes<'a> {
-    pub fn new(root: &Json<'a>, accessors: Accessors<'a>, n_materials: usize) -> Result<Self, ImportError> {
+    pub fn new(
+        root: &Json<'a>,
+        accessors: Accessors<'a>,
+        n_materials: usize,
+        variants: &'a Variants,
+    ) -> Result<Self, ImportError> {
         Ok(Self {
             definitions: root.items("meshes")?,
             read: HashMap::new(),
             list: Vec::new(),
             accessors,
             n_materials,
+            variants,
             uses_default_material: false,
         })
     }
@@ -146,7 +154,8 @@ impl<'a> Meshes<'a> {
     }
 
     fn material(&mut self, primitive: &Json, warnings: &mut Warnings) -> Result<u32, ImportError> {
-        if let Some(index) = primitive.get("material") {
+        let of_variant = self.variants.material(primitive)?;
+        if let Some(index) = of_variant.or_else(|| primitive.get("material")) {
             return Ok(index.index("material", self.n_materials)? as u32);
         }
         let message = "primitives without a material are rendered as diffuse grey";

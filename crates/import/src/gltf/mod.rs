@@ -20,6 +20,7 @@ mod meshopt;
 mod nodes;
 mod textures;
 mod unused;
+mod variants;
 
 use std::path::Path;
 
@@ -35,6 +36,7 @@ use buffers::Buffers;
 use json::Json;
 use meshes::Meshes;
 use textures::Textures;
+use variants::Variants;
 
 pub(crate) use container::GLB_MAGIC;
 
@@ -55,6 +57,7 @@ const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    variants::EXTENSION,
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
@@ -62,11 +65,15 @@ const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Extensions without which a file is still understood: a choice among materials, of which the
-/// first counts, and what no image depends on.
-const HARMLESS_EXTENSIONS: &[&str] = &["KHR_animation_pointer", "KHR_materials_variants", "KHR_xmp_json_ld"];
+/// Extensions without which a file is still understood: no image depends on them.
+const HARMLESS_EXTENSIONS: &[&str] = &["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
-pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
+/// The scene, in the variant of that name where one is wanted, and the names of all variants.
+pub(crate) fn load(
+    path: &Path,
+    variant: Option<&str>,
+    warnings: &mut Warnings,
+) -> Result<(Scene, Vec<String>), ImportError> {
     let bytes = files::read_scene(path, false)?;
     let (text, binary) = container::open(path, &bytes)?;
     let value = json::parse(path, text)?;
@@ -74,13 +81,14 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
     check_version(&root)?;
     check::list(&value, warnings);
     check_required_extensions(&root)?;
+    let variants = Variants::read(&root, variant)?;
 
     let mut folder = SceneFolder::of(path)?;
     let buffers = Buffers::load(&root, &mut folder, binary)?;
     let accessors = Accessors::new(&root, &buffers, bytes.len() as u64)?;
     let mut textures = Textures::new(&root, &buffers, &folder, bytes.len() as u64)?;
     let mut materials = materials::read_all(&root, &mut textures, warnings)?;
-    let mut meshes = Meshes::new(&root, accessors, materials.len())?;
+    let mut meshes = Meshes::new(&root, accessors, materials.len(), &variants)?;
     // Images are all known by now, and nothing else needs them.
     let mut of_images = Warnings::default();
     let (placed, images) =
@@ -91,7 +99,7 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
     if meshes.uses_default_material() {
         materials.push(default_material());
     }
-    Ok(Scene {
+    let scene = Scene {
         cameras: placed.cameras,
         meshes: meshes.into_list(),
         instances: placed.instances,
@@ -100,7 +108,8 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
         lights: placed.lights,
         environment: None,
         environment_group: None,
-    })
+    };
+    Ok((scene, variants.into_names()))
 }
 
 fn check_version(root: &Json) -> Result<(), ImportError> {
@@ -137,12 +146,7 @@ fn warn_of_extensions(object: &Json, warnings: &mut Warnings) -> Result<(), Impo
 }
 
 fn unused_extension(name: &str) -> String {
-    match name {
-        "KHR_materials_variants" => {
-            format!("variants of materials ({name}) are not used: the default ones are")
-        }
-        _ => format!("the extension {name} is not used"),
-    }
+    format!("the extension {name} is not used")
 }
 
 /// Where a whole file is meant.

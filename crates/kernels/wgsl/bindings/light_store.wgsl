@@ -52,10 +52,11 @@ fn keeps_all() -> bool {
     return params.join == JOIN_FULL || (params.join == JOIN_K_STEP && has_flag(FLAG_POOL));
 }
 
+/// Where the vertex goes is `place_linked_vertex`'s to say (bindings/linked_append.wgsl).
 fn keep_linked(slot: u32, vertex: LightVertex) {
     var linked = vertex;
     linked.link = light_paths[slot * 2u + 1u];
-    light_paths[slot * 2u + 1u] = append_light_vertex(linked);
+    light_paths[slot * 2u + 1u] = place_linked_vertex(slot, linked);
     light_paths[slot * 2u] += 1u;
 }
 

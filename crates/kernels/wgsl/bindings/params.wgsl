@@ -26,6 +26,8 @@ const FLAG_RAW: u32 = 256u;
 const FLAG_SOBOL: u32 = 512u;
 /// Next-event estimation draws lights by the tree over them, not by power.
 const FLAG_LIGHT_TREE: u32 = 1024u;
+/// bench_megakernel counts its rays.
+const FLAG_COUNT_RAYS: u32 = 2048u;
 
 struct Params {
     camera: Camera,
@@ -164,4 +166,9 @@ fn strategy_weight(s: u32, t: u32, mis_weight: f32) -> f32 {
         return 0.0;
     }
     return select(mis_weight, 1.0, has_flag(FLAG_RAW));
+}
+
+/// Whether a contribution is worth a ray. NaN is: it must reach the film to be counted.
+fn contributes(rgb: vec3<f32>) -> bool {
+    return !all(rgb == vec3<f32>(0.0));
 }

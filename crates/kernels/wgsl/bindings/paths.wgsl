@@ -63,6 +63,13 @@ fn store_path(id: u32, path: Path) {
         bitcast<f32>(path.medium));
 }
 
+/// A path that goes no further: without throughput.
+fn ended(path: Path) -> Path {
+    var end = path;
+    end.throughput = vec3<f32>(0.0);
+    return end;
+}
+
 /// The place in the batch of a path that is a pixel sample's.
 fn batch_place(path: Path) -> u32 {
     return (path.sample - params.first_sample) * params.n_pixels + window_pixel(path.index) - params.first_path;

@@ -15,8 +15,3 @@ fn push_shadow_ray(pixel: u32, group: u32, start: vec3<f32>, end: vec3<f32>, con
     shadow_rays[at + 1u] = vec4<f32>(end - start, bitcast<f32>(group));
     shadow_rays[at + 2u] = vec4<f32>(contribution, 0.0);
 }
-
-/// Whether a contribution is worth a ray. NaN is: it must reach the film to be counted.
-fn contributes(rgb: vec3<f32>) -> bool {
-    return !all(rgb == vec3<f32>(0.0));
-}

@@ -6,9 +6,17 @@
 #include "bindings/light_vertices.wgsl"
 #include "bindings/light_store.wgsl"
 
-/// The light path of a place of the batch, in a slot, its MIS state as after y_0 (lib/mis.wgsl). Keeps
-/// y_0 where it can be an end. Whether there is a path to be traced.
-fn start_light_path(id: u32, place: u32) -> bool {
+struct LightStart {
+    path: Path,
+    /// Whether there is a path to be traced.
+    is_traced: bool,
+}
+
+/// The light path of a place of the batch, its MIS state as after y_0 (lib/mis.wgsl). Keeps y_0 where it
+/// can be an end.
+fn light_path(place: u32) -> LightStart {
+    var start: LightStart;
+    start.is_traced = false;
     let in_pass = params.first_path + place;
     // Paths are told apart by pixel and sample, or in a pool by their number and the pass.
     let pool = has_flag(FLAG_POOL);
@@ -17,7 +25,7 @@ fn start_light_path(id: u32, place: u32) -> bool {
     let slot = select(place, in_pass, pool);
     begin_light_path(slot);
     if (params.n_lights == 0u) {
-        return false;
+        return start;
     }
     let u_point = random(index, sample, dimension(DRAW_LIGHT + DRAW_EMIT_POINT, 0u));
     let u_direction = random(index, sample, dimension(DRAW_LIGHT + DRAW_EMIT_DIRECTION, 0u));
@@ -25,7 +33,7 @@ fn start_light_path(id: u32, place: u32) -> bool {
     let light = load_light(light_index);
     let point = draw_light_point(light, u_point.yz, index, sample, dimension(DRAW_LIGHT + DRAW_ENVIRONMENT, 0u));
     if (point.pdf <= 0.0 || !any(point.emission > vec3<f32>(0.0))) {
-        return false;
+        return start;
     }
     let vertex = LightVertex(point.position, light_triangle(light), point.emission / point.pdf, 0.0,
         point.normal, 0.0, point.uv.x, point.uv.y, light_index, 1u, light.group);
@@ -35,7 +43,7 @@ fn start_light_path(id: u32, place: u32) -> bool {
     }
     if (u_direction.w >= params.emitter_survival) {
         end_light_path(slot, vertex);
-        return false;
+        return start;
     }
     let emitted = emit(light, point, u_direction.xyz);
     let pdf_direction = emitted.pdf * params.emitter_survival;
@@ -45,7 +53,7 @@ fn start_light_path(id: u32, place: u32) -> bool {
     }
     let lights = any(throughput > vec3<f32>(0.0));
     if (!lights && !splats) {
-        return false;
+        return start;
     }
     // A path without light takes its slot for a bounce, so that a slot appends one y_0 a bounce at most.
     let config = mis_config();
@@ -54,9 +62,17 @@ fn start_light_path(id: u32, place: u32) -> bool {
     if (lights) {
         state = mis_begin_light(config, point.pdf, point.pdf, pdf_direction, emitted.cos_light, ending);
     }
-    store_path(id, Path(emitted.origin, index, emitted.direction, 0u, 0u, is_infinite(light), throughput, sample, state,
-        light.medium, NO_FACING));
-    return true;
+    return LightStart(Path(emitted.origin, index, emitted.direction, 0u, 0u, is_infinite(light), throughput, sample, state,
+        light.medium, NO_FACING), true);
+}
+
+/// That path, in a slot, where there is one to be traced; whether there is.
+fn start_light_path(id: u32, place: u32) -> bool {
+    let start = light_path(place);
+    if (start.is_traced) {
+        store_path(id, start.path);
+    }
+    return start.is_traced;
 }
 
 /// A light path's light: drawn again by the numbers that it was drawn by, so that a path under way needs

@@ -147,6 +147,11 @@ fn load_surface(id: u32, u: f32, v: f32) -> Surface {
     return surface;
 }
 
+/// The geometric normal on a direction's side.
+fn normal_towards(surface: Surface, direction: vec3<f32>) -> vec3<f32> {
+    return select(-surface.ng, surface.ng, dot(surface.ng, direction) > 0.0);
+}
+
 fn add_attributes(plain: Surface, triangle: Triangle, u: f32, v: f32) -> Surface {
     let w = 1.0 - u - v;
     let a = scene[triangle.attributes];

@@ -38,11 +38,6 @@ fn scatter_terms(vertex: Vertex, wi: vec3<f32>, mode: u32) -> BsdfTerms {
     return BsdfTerms(terms.f, vertex.survival * terms.pdf_fwd, vertex.survival * terms.pdf_rev);
 }
 
-/// The geometric normal on a direction's side.
-fn normal_towards(surface: Surface, direction: vec3<f32>) -> vec3<f32> {
-    return select(-surface.ng, surface.ng, dot(surface.ng, direction) > 0.0);
-}
-
 /// The side of a vertex that lights are drawn for: that which it was reached from, and NO_FACING where it
 /// transmits.
 fn facing_of(vertex: Vertex) -> u32 {
