@@ -186,7 +186,7 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "environment-hit-without-its-rivals",
         file: "shade_camera.wgsl",
-        find: "weight = mis_weight_hit(config, path.mis, factor, pdf_direct, pdf_emission);",
+        find: "weight = mis_weight_hit(config, path.mis, factor, pdf_position * ratio, pdf_emission);",
         replace: "weight = mis_weight_hit(config, path.mis, factor, 0.0, pdf_emission);",
         caught_by: SKY,
     },
