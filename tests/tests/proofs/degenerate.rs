@@ -3,7 +3,7 @@
 
 use glam::{Mat3, Mat4, Vec3};
 use midway_film::Image;
-use midway_render::Integrator;
+use midway_render::{Integrator, LightSampling, RenderSettings};
 use midway_scene::{Environment, Light, LightKind, Scene, SpotFalloff};
 use midway_tests::{
     estimate::{Agreement, Blocks, cpu, render},
@@ -32,10 +32,13 @@ fn renders_where_lit(scene: &Scene, holds: impl Fn(&Image) -> bool) {
 fn renders_by(cases: Vec<Case>, scene: &Scene, holds: impl Fn(&Image) -> bool) {
     let _turn = in_turn();
     let mut report = Report::default();
-    for case in cases {
-        let image = render(&cpu(), scene, &settings(SIZE, case.settings, 3), 4);
+    // The few lights that there are by a tree too, from one end and from both.
+    let by_tree = [integrators::path(), integrators::full()].map(|case| (case, LightSampling::Tree));
+    for (case, light_sampling) in cases.into_iter().map(|case| (case, LightSampling::Auto)).chain(by_tree) {
+        let settings = RenderSettings { light_sampling, ..settings(SIZE, case.settings, 3) };
+        let image = render(&cpu(), scene, &settings, 4);
         let finite = image.pixels.as_flattened().iter().all(|value| value.is_finite() && *value >= 0.0);
-        report.note(&case.name(), finite && holds(&image));
+        report.note(&format!("{} {light_sampling:?}", case.name()), finite && holds(&image));
     }
     report.finish();
 }

@@ -254,6 +254,13 @@ pub const MUTANTS: &[Mutant] = &[
         caught_by: LIGHT_TREE,
     },
     Mutant {
+        name: "hits-forget-the-side-that-was-lit",
+        file: "bindings/vertex.wgsl",
+        find: "LightPlace(path.origin, facing_normal(path.facing))",
+        replace: "LightPlace(path.origin, vec3<f32>(0.0))",
+        caught_by: LIGHT_TREE,
+    },
+    Mutant {
         name: "light-paths-weigh-draws-by-power",
         file: "bindings/light_step.wgsl",
         find: "vertex.mis.dvcm *= mis_power(mis_config(), ratio);",
