@@ -19,10 +19,10 @@ pub struct MediumFinder<'a> {
     pub world: &'a World<'a>,
 }
 
-impl MediumFinder<'_> {
-    /// Whether any material has an inside.
-    pub fn any_medium(&self) -> bool {
-        self.world.scene().materials.iter().any(is_boundary)
+impl<'a> MediumFinder<'a> {
+    /// Of a world in which any material has an inside; else there is nothing to find.
+    pub fn new(two_level: &'a TwoLevel, positions: &'a [[Vec3; 3]], world: &'a World<'a>) -> Option<Self> {
+        any_medium(world).then_some(Self { two_level, positions, world })
     }
 
     /// The material whose inside the point lies in, by the boundaries crossed on the way out along
@@ -65,16 +65,24 @@ pub struct CameraMedia {
 impl CameraMedia {
     /// Of a world in which any material has an inside; else there is nothing to find.
     pub fn keep(world: &World<'_>, two_level: TwoLevel, positions: Vec<[Vec3; 3]>) -> Option<Self> {
-        let any = world.scene().materials.iter().any(is_boundary);
-        any.then(|| Self { two_level, positions, layout: world.layout().clone() })
+        any_medium(world).then(|| Self { two_level, positions, layout: world.layout().clone() })
+    }
+
+    /// Finds media in the world that was packed.
+    pub fn finder<'a>(&'a self, world: &'a World<'a>) -> MediumFinder<'a> {
+        MediumFinder { two_level: &self.two_level, positions: &self.positions, world }
     }
 
     /// The medium that a camera is in. `scene` is the one that was packed.
     pub fn of_camera(&self, scene: &Scene, camera: &Camera) -> Option<u32> {
         let world = World::of_layout(scene, self.layout.clone());
-        let media = MediumFinder { two_level: &self.two_level, positions: &self.positions, world: &world };
-        media.medium_at(camera.position(), camera.world_from_camera.transform_vector3(Vec3::NEG_Z))
+        self.finder(&world)
+            .medium_at(camera.position(), camera.world_from_camera.transform_vector3(Vec3::NEG_Z))
     }
+}
+
+fn any_medium(world: &World<'_>) -> bool {
+    world.scene().materials.iter().any(is_boundary)
 }
 
 fn is_boundary(material: &Material) -> bool {

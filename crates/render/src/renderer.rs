@@ -133,7 +133,8 @@ impl Renderer {
         settings.validate()?;
         let packed = PackedScene::new(scene, camera, &settings, device.info().kind)?;
         let n_pixels = n_pixels(&settings);
-        let scene_plan = plan_scene(&packed);
+        let bytes = |words: &[[u32; 4]]| size_of_val(words) as u64;
+        let scene_plan = plan_scene(bytes(&packed.nodes), bytes(&packed.triangles), &packed);
         let n_groups = if settings.light_groups { packed.light_groups.len() as u32 } else { 1 };
         plan_shared(&scene_plan, &settings, n_pixels, n_groups).check(device.info())?;
         let pipelines = load_kernels(&*device, &packed, &settings)?;
@@ -658,16 +659,21 @@ fn upload(device: &dyn Device, packed: &PackedScene) -> Result<BufferSet, Render
     let parts: [(&'static str, &[[u32; 4]]); 3] =
         [("nodes", &packed.nodes), ("triangles", &packed.triangles), ("scene", &packed.scene)];
     for (name, words) in parts {
-        // A kernel's array has at least one element, even over an empty scene.
-        let bytes = (size_of_val(words) as u64).max(16);
-        let buffer = device.create_buffer(name, bytes, BufferUsage::Storage)?;
-        device.write_buffer(&buffer, 0, bytemuck::cast_slice(words))?;
-        set.insert(name, buffer);
+        set.insert(name, upload_words(device, name, words)?);
     }
     let texels = device.create_buffer("texels", packed.images.bytes(), BufferUsage::Texels)?;
     packed.images.upload(device, &texels)?;
     set.insert("texels", texels);
     Ok(set)
+}
+
+/// A buffer of a scene's words.
+fn upload_words(device: &dyn Device, name: &str, words: &[[u32; 4]]) -> Result<Buffer, RenderError> {
+    // A kernel's array has at least one element, even over an empty scene.
+    let bytes = (size_of_val(words) as u64).max(16);
+    let buffer = device.create_buffer(name, bytes, BufferUsage::Storage)?;
+    device.write_buffer(&buffer, 0, bytemuck::cast_slice(words))?;
+    Ok(buffer)
 }
 
 /// Compiles what `settings` need, all at once, for this scene.

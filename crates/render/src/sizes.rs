@@ -129,11 +129,11 @@ pub fn reserved_slots(settings: &RenderSettings, n_paths: u32) -> u32 {
     }
 }
 
-/// The memory of the scene.
-pub fn plan_scene(packed: &PackedScene) -> MemoryPlan {
+/// The memory of the scene, whose hierarchies take so many bytes of nodes and of leaf slots.
+pub fn plan_scene(nodes: u64, triangles: u64, packed: &PackedScene) -> MemoryPlan {
     let mut plan = MemoryPlan::default();
-    plan.fixed("nodes", size_of_val(&packed.nodes[..]) as u64);
-    plan.fixed("triangles", size_of_val(&packed.triangles[..]) as u64);
+    plan.fixed("nodes", nodes);
+    plan.fixed("triangles", triangles);
     plan.fixed("scene", size_of_val(&packed.scene[..]) as u64);
     plan.texels("texels", packed.images.bytes());
     plan

@@ -9,14 +9,14 @@ use std::{
     time::Duration,
 };
 
-use glam::Vec3;
-use midway_device::{CpuDevice, Device};
+use glam::{Mat3, Vec3};
+use midway_device::{CpuDevice, Device, DeviceKind};
 use midway_film::{Display, Image, ToneMap};
 use midway_render::{
-    Aov, Crop, Integrator, IntegratorSettings, Join, LightPaths, LightSampling, RenderError, RenderSettings,
-    Renderer, Rng,
+    Aov, Crop, Integrator, IntegratorSettings, Join, LightPaths, LightSampling, PackedScene, RenderError,
+    RenderSettings, Renderer, Rng,
 };
-use midway_scene::{Camera, Scene};
+use midway_scene::{Camera, Environment, Image as Texture, Scene, Texels};
 
 const SIZE: u32 = 24;
 
@@ -111,6 +111,72 @@ fn another_camera_sees_what_a_new_renderer_sees_from_inside_glass_too() {
         live.set_camera(&scene, &camera).expect("changes");
         assert_eq!(run(&mut live, 2), fresh(&scene, &camera, &by(full())), "{eye}");
     }
+}
+
+/// A scene under a sky of few texels that is turned, a constant one, none, and the sky again.
+fn environments(scene: &Scene) -> Vec<Scene> {
+    let texels = (0..32).map(|i| [0.1 * i as f32, 0.5, 3.0 / (1 + i) as f32, 1.0]).collect::<Vec<_>>();
+    let sky = Texture { name: String::new(), width: 8, height: 4, texels: Texels::Float(texels.into()) };
+    let constant = Environment {
+        radiance: Vec3::new(0.2, 0.4, 0.8),
+        image: None,
+        world_from_environment: Mat3::from_rotation_y(0.7),
+    };
+    let pictured = Environment { image: Some(scene.images.len() as u32), ..constant };
+    let images = [scene.images.clone(), vec![sky]].concat();
+    let under = |environment| Scene { environment, images: images.clone(), ..scene.clone() };
+    [Some(pictured), Some(constant), None, Some(pictured)].map(under).into()
+}
+
+/// With glass, so that media are found anew; with a tree over lights; with instances and textures.
+#[test]
+fn another_environment_is_that_of_a_new_renderer() {
+    for name in ["glass-caustic.gltf", "light-sheet.gltf", "material-sheet.gltf"] {
+        let scene = load(name);
+        let camera = &scene.cameras[0];
+        for method in [path(), full(), pool(2)] {
+            let mut live = renderer(&scene, camera, by(method));
+            for scene in environments(&scene) {
+                run(&mut live, 1);
+                live.set_environment(&scene).expect("changes");
+                assert_eq!(live.samples(), 0);
+                let mut new = renderer(&scene, camera, by(method));
+                assert_eq!(run(&mut live, 2), run(&mut new, 2), "{name}, {method:?}");
+                let plans = [&live, &new].map(|renderer| renderer.plan().total());
+                assert_eq!(plans[0], plans[1], "{name}, {method:?}");
+                let beside = live.beside(by(full())).map(|mut beside| run(&mut beside, 1)).expect("fits");
+                assert_eq!(beside, run(&mut renderer(&scene, camera, by(full())), 1));
+            }
+        }
+    }
+}
+
+#[test]
+fn under_another_environment_hierarchies_stay() {
+    let scene = load("glass-caustic.gltf");
+    let pack = |scene: &Scene| PackedScene::new(scene, &scene.cameras[0], &by(full()), DeviceKind::Cpu);
+    let packed = pack(&scene).expect("packs");
+    for scene in environments(&scene) {
+        let changed = packed.surrounded(&scene, &scene.cameras[0], &by(full())).expect("packs");
+        assert!(changed.nodes.is_empty() && changed.triangles.is_empty());
+        let PackedScene { nodes, triangles, .. } = packed.clone();
+        let (changed, new) = (PackedScene { nodes, triangles, ..changed }, pack(&scene).expect("packs"));
+        // Media hold how long the build took.
+        assert!(changed.media.is_some() && new.media.is_some());
+        let same = PackedScene { media: None, ..changed } == PackedScene { media: None, ..new };
+        assert!(same, "{:?}", scene.environment);
+    }
+}
+
+#[test]
+fn an_environment_that_is_refused_leaves_the_renderer_as_it_was() {
+    let scene = load("cornell-box.gltf");
+    let mut live = renderer(&scene, &scene.cameras[0], by(path()));
+    run(&mut live, 2);
+    let mut broken = environments(&scene).remove(1);
+    broken.environment.as_mut().expect("is there").radiance = Vec3::NAN;
+    assert!(live.set_environment(&broken).is_err());
+    assert_eq!(run(&mut live, 4), run(&mut renderer(&scene, &scene.cameras[0], by(path())), 4));
 }
 
 #[test]

@@ -61,7 +61,7 @@ pub enum SpotFalloff {
 }
 
 /// Light from all around, infinitely far away.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Environment {
     /// Radiance, or what the image is multiplied by.
     pub radiance: Vec3,

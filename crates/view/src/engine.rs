@@ -40,6 +40,9 @@ const MAX_SIDE: u32 = 8192;
 const MAX_FACTOR: f32 = 1e6;
 /// How long a camera at rest is taken to move so that a small picture is shown ahead.
 const PREVIEW: Duration = Duration::from_millis(30);
+/// Stands for the environment of a scene that has none.
+const WHITE: Environment =
+    Environment { radiance: Vec3::ONE, image: None, world_from_environment: Mat3::IDENTITY };
 /// Samples of a pixel after which an image is done.
 pub const MAX_SAMPLES: u64 = 1 << 20;
 
@@ -127,11 +130,12 @@ impl Haste {
 
 /// The renderers of one scene.
 pub struct Engine {
-    device: Arc<dyn Device>,
     /// The scene, with the environment as it is now.
     pub scene: Arc<Scene>,
-    /// As it was loaded.
-    original: Arc<Scene>,
+    /// The environment as it was loaded, or dropped; where there was none, what stands for it.
+    surroundings: Environment,
+    /// Images of the scene as it was loaded.
+    n_images: usize,
     /// The one looked through.
     pub camera: Camera,
     /// What is asked for while the camera rests.
@@ -178,13 +182,13 @@ impl Engine {
         let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds(), 1.0));
         let settings = RenderSettings { aovs: aovs(shown.layer), crop: None, ..settings };
         let scene = Arc::new(scene);
-        let mut left = Half::new(Renderer::new(Arc::clone(&device), &scene, &camera, settings.clone())?);
+        let mut left = Half::new(Renderer::new(device, &scene, &camera, settings.clone())?);
         left.renderer.stop_when(Arc::clone(&haste.stop));
         thread::Builder::new().name("compile".into()).spawn(left.renderer.compile_ahead())?;
         let hold = Hold::new(hold_limits(&settings, hold_time));
         Ok(Self {
-            device,
-            original: Arc::clone(&scene),
+            surroundings: scene.environment.unwrap_or(WHITE),
+            n_images: scene.images.len(),
             scene,
             camera,
             settings,
@@ -340,32 +344,27 @@ impl Engine {
         if !(strength.is_finite() && (0.0..=1e6).contains(&strength) && rotation.is_finite()) {
             return Err(ViewError::Refused("an environment's strength is 0 to a million".into()));
         }
-        let mut original = (*self.original).clone();
+        let before = (self.scene.environment, self.scene.images.clone());
+        let scene = Arc::make_mut(&mut self.scene);
+        let mut base = self.surroundings;
         if let Some(image) = image {
-            let image_at = original.images.len() as u32;
-            original.images.push(image);
-            let whole = Environment {
-                radiance: Vec3::ONE,
-                image: Some(image_at),
-                world_from_environment: Mat3::IDENTITY,
-            };
-            original.environment = Some(whole);
+            scene.images.truncate(self.n_images); // one that was dropped before
+            scene.images.push(image);
+            base = Environment { image: Some(self.n_images as u32), ..WHITE };
         }
-        let mut scene = original.clone();
-        let white = Environment { radiance: Vec3::ONE, image: None, world_from_environment: Mat3::IDENTITY };
-        let base = scene.environment.unwrap_or(white);
         let turn = Mat3::from_rotation_y(rotation.to_radians());
         scene.environment = (strength > 0.0).then(|| Environment {
             radiance: base.radiance * strength,
             world_from_environment: turn * base.world_from_environment,
             ..base
         });
-        let mut renderer =
-            Renderer::new(Arc::clone(&self.device), &scene, &self.camera, self.settings.clone())?;
-        renderer.stop_when(Arc::clone(&self.haste.stop));
-        let right = self.right.take();
-        (self.left, self.scene, self.original) = (Half::new(renderer), Arc::new(scene), Arc::new(original));
-        match right {
+        if let Err(error) = self.left.renderer.set_environment(scene) {
+            (scene.environment, scene.images) = before;
+            return Err(error.into());
+        }
+        self.surroundings = base;
+        self.left.begin();
+        match self.right.take() {
             Some(half) => self.split(Some(Method::of(&half.renderer.settings().integrator))),
             None => Ok(()),
         }

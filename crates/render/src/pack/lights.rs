@@ -19,7 +19,7 @@ pub(super) fn pack_lights(
     lights: &Lights,
     groups: &LightGroups,
     world: &World<'_>,
-    media: &MediumFinder<'_>,
+    media: Option<&MediumFinder<'_>>,
     words: &mut Vec<Word4>,
 ) {
     let details_at = words.len() + lights.lights.len() * k::LIGHT_STRIDE as usize;
@@ -45,7 +45,7 @@ pub(super) fn pack_lights(
     words.extend(details);
 }
 
-fn medium_at_triangle(triangle: &WorldTriangle, media: &MediumFinder<'_>) -> u32 {
+fn medium_at_triangle(triangle: &WorldTriangle, media: Option<&MediumFinder<'_>>) -> u32 {
     triangle.geometric_normal().map_or(k::NONE, |normal| {
         let [a, b, c] = triangle.positions;
         let centre = (a + b + c) / 3.0;
@@ -55,7 +55,7 @@ fn medium_at_triangle(triangle: &WorldTriangle, media: &MediumFinder<'_>) -> u32
 }
 
 /// Appends what there is of a light without extent; its kind and the medium around it.
-fn pack_delta(light: &LightKind, media: &MediumFinder<'_>, details: &mut Vec<Word4>) -> (u32, u32) {
+fn pack_delta(light: &LightKind, media: Option<&MediumFinder<'_>>, details: &mut Vec<Word4>) -> (u32, u32) {
     match *light {
         LightKind::Point { position, intensity } => {
             details.extend([word4(position, k::FALLOFF_NONE), word4(intensity, 0), word4(Vec3::Z, 0)]);

@@ -6,6 +6,7 @@ mod light_tree;
 mod lights;
 mod materials;
 mod normals;
+mod shading;
 mod slots;
 mod textures;
 
@@ -17,21 +18,9 @@ use midway_device::DeviceKind;
 use midway_kernels::constants as k;
 use midway_scene::{Camera, Scene, Sphere};
 
-use self::{
-    environment::pack_environment,
-    geometry::{pack_surfaces, pack_triangles},
-    light_tree::pack_light_tree,
-    lights::pack_lights,
-    materials::{albedo_tables, pack_material},
-    slots::pack_slots,
-    textures::{PackedImages, TextureTable, mean_color, srgb_table},
-};
+use self::{geometry::pack_triangles, shading::Shading, textures::PackedImages};
 use crate::{
     RenderError, RenderSettings,
-    environment::EnvironmentMap,
-    features::scene_features,
-    light_tree::LightTree,
-    lights::Lights,
     medium::{CameraMedia, MediumFinder},
     world::{World, hierarchy_of},
 };
@@ -105,87 +94,43 @@ impl PackedScene {
         device: DeviceKind,
     ) -> Result<Self, RenderError> {
         scene.validate()?;
-        let rng_table = settings.rng.table();
         let world = World::new(scene)?;
         let positions = world.baked_positions();
         let hierarchy = hierarchy_of(device, scene);
-        let two_level = world.build(&positions, hierarchy)?;
-        let sphere = scene.bounds().sphere();
-        let environment = EnvironmentMap::of(scene)?;
-        let emissions: Vec<Vec3> = scene.materials.iter().map(|m| mean_color(scene, &m.emission)).collect();
-        let lights = Lights::collect(scene, world.emissive(), sphere, environment.as_ref(), |triangle| {
-            emissions[triangle.material as usize]
-        });
-        let media = MediumFinder { two_level: &two_level, positions: &positions, world: &world };
-        let mut images = PackedImages::default();
-        let mut textures = TextureTable::default();
-        let mut words = albedo_tables();
-        let mut slots = Vec::new();
-        for material in &scene.materials {
-            let (record, flags) = pack_slots(scene, material, &mut images, &mut textures);
-            words.extend(pack_material(material, flags));
-            slots.extend(record);
-        }
-        images.check()?;
-        let lights_at = words.len() as u32;
-        let groups = scene.light_groups();
-        pack_lights(&lights, &groups, &world, &media, &mut words);
-        let tree = LightTree::wanted(settings.light_sampling, &lights, &world, sphere.radius);
-        let tree_at = pack_light_tree(tree.as_ref(), &mut words);
-        let environment_at = environment.as_ref().map_or(k::NONE, |_| words.len() as u32);
-        if let Some(environment) = &environment {
-            pack_environment(environment, lights.environment(), &mut words);
-        }
-        let at = pack_surfaces(&world, &lights, &mut words);
-        let random_at = words.len() as u32;
-        words.extend((0..rng_table.unwrap_or(0)).map(pregenerated_numbers));
-        let slots_at = words.len() as u32;
-        words.extend(slots);
-        let textures_at = words.len() as u32;
-        words.extend(textures.words());
-        let srgb_at = words.len() as u32;
-        words.extend(srgb_table());
-        let camera_medium = medium_or_none(
-            &media,
-            camera.position(),
-            camera.world_from_camera.transform_vector3(Vec3::NEG_Z),
-        );
-        let set = [
-            (!world.placed().is_empty(), k::FEATURE_INSTANCES),
-            (at.has_attributes, k::FEATURE_ATTRIBUTES),
-            (!textures.words().is_empty(), k::FEATURE_TEXTURES),
-            (rng_table.is_some(), k::FEATURE_RANDOM_TABLE),
-            (hierarchy == Width::Wide, k::FEATURE_WIDE),
-            (tree_at.nodes != k::NONE, k::FEATURE_LIGHT_TREE),
-        ];
-        let features =
-            set.iter().filter(|(has, _)| *has).fold(scene_features(scene), |all, (_, bit)| all | bit);
+        let (two_level, shading) =
+            rayon::join(|| world.build(&positions, hierarchy), || Shading::pack(&world, settings));
+        let (two_level, shading) = (two_level?, shading?);
+        let media = MediumFinder::new(&two_level, &positions, &world);
+        let packed = shading.with_lights(&world, media.as_ref(), camera);
+        let wide = if hierarchy == Width::Wide { k::FEATURE_WIDE } else { 0 };
         let first_ids: Vec<u32> = world.placed().iter().map(|part| part.first_id).collect();
         Ok(Self {
             triangles: pack_triangles(&two_level, &world, &positions),
             nodes: two_level.nodes(&first_ids),
+            features: packed.features | wide,
             media: CameraMedia::keep(&world, two_level, positions).map(Arc::new),
-            scene: words,
-            lights_at,
-            light_tree_at: tree_at.nodes,
-            light_ways_at: tree_at.ways,
-            environment_at,
-            sphere,
-            surfaces_at: at.surfaces,
-            instances_at: at.instances,
-            random_at,
-            n_lights: lights.lights.len() as u32,
-            n_baked: if world.placed().is_empty() { k::NONE } else { world.n_baked },
-            n_instances: world.placed().len() as u32,
-            n_random: rng_table.unwrap_or(0),
-            images,
-            textures_at,
-            srgb_at,
-            slots_at,
-            light_groups: groups.names,
-            camera_medium,
-            features,
+            ..packed
         })
+    }
+
+    /// The same scene under another environment, seen by a camera. Hierarchies stay as they are: `nodes`
+    /// and `triangles` are left empty. `scene` and `settings` differ from those that this was packed from
+    /// in the environment, and the image it has, alone.
+    ///
+    /// # Errors
+    /// If the environment is invalid.
+    pub fn surrounded(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+    ) -> Result<Self, RenderError> {
+        scene.validate()?;
+        let world = World::new(scene)?;
+        let media = self.media.as_ref().map(|media| media.finder(&world));
+        let packed = Shading::pack(&world, settings)?.with_lights(&world, media.as_ref(), camera);
+        let features = packed.features | self.features & k::FEATURE_WIDE;
+        Ok(Self { features, media: self.media.clone(), ..packed })
     }
 
     /// The same without what was copied to the device.
@@ -199,11 +144,7 @@ fn word4(v: Vec3, w: u32) -> Word4 {
     [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w]
 }
 
-fn medium_or_none(media: &MediumFinder<'_>, point: Vec3, direction: Vec3) -> u32 {
-    if media.any_medium() { media.medium_at(point, direction).unwrap_or(k::NONE) } else { k::NONE }
-}
-
-/// Four numbers in [0, 1) for an entry of the table: the kernels' own hash of its index.
-fn pregenerated_numbers(index: u32) -> Word4 {
-    midway_kernels::native::random4(index, 0, 0, 0x7ab1e).map(f32::to_bits)
+/// `media`: none where no material has an inside.
+fn medium_or_none(media: Option<&MediumFinder<'_>>, point: Vec3, direction: Vec3) -> u32 {
+    media.and_then(|media| media.medium_at(point, direction)).unwrap_or(k::NONE)
 }

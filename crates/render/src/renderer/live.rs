@@ -9,13 +9,13 @@ use std::sync::{
 use midway_kernels::constants as k;
 use midway_scene::{Camera, Scene};
 
-use super::{Kept, Renderer, make_film, n_light_paths, n_pixels};
+use super::{Kept, Renderer, make_film, n_light_paths, n_pixels, upload_words};
 use crate::{
     Join, RenderError, RenderSettings,
     batch::LaneUses,
     buffers::Pipelines,
     pool::{POOL_KERNELS, PoolSize},
-    sizes::reserved_slots,
+    sizes::{plan_scene, reserved_slots},
 };
 
 /// Of layers, and of what is shown.
@@ -87,18 +87,37 @@ impl Renderer {
         if keeps_samples { Ok(()) } else { self.restart() }
     }
 
+    /// Renders the scene under another environment; the next pass is the first again. Hierarchies, images
+    /// and compiled kernels stay, the latter unless the scene had no environment or has none now. `scene`
+    /// differs from the one that the renderer was made with in the environment, and the image it has, alone.
+    /// After an error the renderer is as it was.
+    ///
+    /// # Errors
+    /// If the environment is invalid, or the device fails or is too small.
+    pub fn set_environment(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let mut kept = self.kept.clone();
+        let packed = kept.packed.surrounded(scene, &kept.camera, &self.settings)?;
+        let [nodes, triangles] = ["nodes", "triangles"].map(|name| kept.shared.get(name).bytes());
+        kept.scene_plan = plan_scene(nodes, triangles, &packed);
+        kept.shared.insert("scene", upload_words(&*self.device, "scene", &packed.scene)?);
+        kept.packed = packed.without_copied();
+        kept.light_vertices.clear();
+        self.rebuild_with(kept, self.settings.clone(), false)
+    }
+
     /// Ends a pass early, between two of its batches, when `stop` is set; it is unset then.
     pub fn stop_when(&mut self, stop: Arc<AtomicBool>) {
         self.kept.stop = stop;
     }
 
     /// What compiles all kernels that [`Renderer::set_settings`] may ask for with this scene, one after
-    /// another, to be called on a thread of its own: a change then does not wait for a compiler. One that
-    /// fails is left to whoever needs it.
+    /// another, and those of [`Renderer::set_environment`] last, to be called on a thread of its own: a
+    /// change then does not wait for a compiler. One that fails is left to whoever needs it.
     pub fn compile_ahead(&self) -> impl FnOnce() + Send + 'static {
         let (device, packed) = (Arc::clone(&self.device), &self.kept.packed);
         let groups = (packed.light_groups.len() > 1).then_some(packed.features | k::FEATURE_LIGHT_GROUPS);
-        let features: Vec<u32> = std::iter::once(packed.features).chain(groups).collect();
+        let surrounded = packed.features ^ k::FEATURE_ENVIRONMENT;
+        let features: Vec<u32> = std::iter::once(packed.features).chain(groups).chain([surrounded]).collect();
         move || {
             for features in features {
                 let names = LaneUses::all_kernels().chain(POOL_KERNELS).chain(OTHER_KERNELS);
@@ -144,7 +163,15 @@ impl Renderer {
 
     /// Takes working buffers anew, around the same scene.
     fn rebuild(&mut self, settings: RenderSettings, keeps_samples: bool) -> Result<(), RenderError> {
-        let mut kept: Kept = self.kept.clone();
+        self.rebuild_with(self.kept.clone(), settings, keeps_samples)
+    }
+
+    fn rebuild_with(
+        &mut self,
+        mut kept: Kept,
+        settings: RenderSettings,
+        keeps_samples: bool,
+    ) -> Result<(), RenderError> {
         let (n_pixels, n_groups) = (n_pixels(&settings), kept.groups_of(&settings));
         if n_pixels > kept.n_pixels || n_groups != kept.n_groups {
             (kept.n_pixels, kept.n_groups) = (n_pixels.max(kept.n_pixels), n_groups);
