@@ -218,8 +218,11 @@ fn choose_baked(scene: &Scene) -> Vec<bool> {
         budget -= extra(mesh);
         bakes[mesh] = true;
     }
-    let bounds = scene.bounds();
     let mut is_baked: Vec<bool> = scene.instances.iter().map(|i| bakes[i.mesh as usize]).collect();
+    if is_baked.iter().all(|&baked| baked) {
+        return is_baked;
+    }
+    let bounds = scene.bounds();
     for index in 0..is_baked.len() as u32 {
         let n_triangles = mesh_of(scene, index).triangles.len() as u64;
         if !is_baked[index as usize]

@@ -28,7 +28,11 @@ impl Bounds {
 
     /// Around points.
     pub fn of_points(points: &[Vec3]) -> Self {
-        points.iter().fold(Self::EMPTY, |b, &p| Self { min: b.min.min(p), max: b.max.max(p) })
+        points.iter().copied().fold(Self::EMPTY, Self::with_point)
+    }
+
+    fn with_point(self, p: Vec3) -> Self {
+        Self { min: self.min.min(p), max: self.max.max(p) }
     }
 
     /// Around both.
@@ -136,6 +140,11 @@ impl Scene {
     }
 }
 
+/// Each vertex that a triangle has is placed once, not once for each of these.
 fn exact_bounds(placed: &PlacedMesh<'_>) -> Bounds {
-    (0..placed.n_triangles()).fold(Bounds::EMPTY, |b, t| b.union(Bounds::of_points(&placed.positions(t))))
+    let mesh = placed.mesh();
+    let mut is_used = vec![false; mesh.positions.len()];
+    mesh.triangles.as_flattened().iter().for_each(|&vertex| is_used[vertex as usize] = true);
+    let used = mesh.positions.iter().zip(is_used).filter(|&(_, is_used)| is_used);
+    used.map(|(&position, _)| placed.place(position)).fold(Bounds::EMPTY, Bounds::with_point)
 }

@@ -158,7 +158,8 @@ impl<'a> PlacedMesh<'a> {
         if self.is_mirrored { [a, c, b] } else { [a, b, c] }
     }
 
-    fn place(&self, position: Vec3) -> Vec3 {
+    /// A point of the mesh's frame in the world.
+    pub(crate) fn place(&self, position: Vec3) -> Vec3 {
         self.world_from_mesh.transform_point3(position.as_dvec3()).as_vec3()
     }
 

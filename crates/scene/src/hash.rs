@@ -1,11 +1,14 @@
 //! A scene's fingerprint.
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::{Camera, Image, Instance, Material, Mesh, Projection, Scene, Texels};
 
 /// Changes whenever what is hashed, or how, changes.
 const FORMAT: &[u8] = b"midway-scene 4";
+
+/// Words that are hashed at once.
+const BLOCK: usize = 4096;
 
 impl Scene {
     /// BLAKE3 of everything that the image depends on, in hexadecimal: the same on every machine,
@@ -37,8 +40,24 @@ impl Hasher {
         self.bytes(&x.to_le_bytes());
     }
 
-    fn vec3(&mut self, v: &Vec3) {
-        v.to_array().into_iter().for_each(|x| self.float(x));
+    /// Many words of N bytes, by the thousand: one at a time they take ten times as long.
+    fn words<const N: usize>(&mut self, words: impl IntoIterator<Item = [u8; N]>) {
+        let mut words = words.into_iter();
+        let mut block = Vec::with_capacity(BLOCK * N);
+        loop {
+            block.clear();
+            block.extend(words.by_ref().take(BLOCK).flatten());
+            if block.is_empty() {
+                return;
+            }
+            self.bytes(&block);
+        }
+    }
+
+    /// How many there are, and all of them.
+    fn floats<const N: usize>(&mut self, items: impl ExactSizeIterator<Item = [f32; N]>) {
+        self.bytes(&(items.len() as u64).to_le_bytes());
+        self.words(items.flatten().map(f32::to_le_bytes));
     }
 
     fn matrix(&mut self, m: &Mat4) {
@@ -64,15 +83,18 @@ impl Hasher {
     }
 
     fn mesh(&mut self, mesh: &Mesh) {
-        self.list(&mesh.positions, Self::vec3);
-        self.list(&mesh.normals, Self::vec3);
+        for list in [&mesh.positions, &mesh.normals] {
+            self.floats(list.iter().map(Vec3::to_array));
+        }
         for set in &mesh.uvs {
-            self.list(set, |h, uv| uv.to_array().into_iter().for_each(|x| h.float(x)));
+            self.floats(set.iter().map(Vec2::to_array));
         }
         for list in [&mesh.colors, &mesh.tangents] {
-            self.list(list, |h, v| v.to_array().into_iter().for_each(|x| h.float(x)));
+            self.floats(list.iter().map(Vec4::to_array));
         }
-        self.list(mesh.triangles.as_flattened(), |h, i| h.bytes(&i.to_le_bytes()));
+        let indices = mesh.triangles.as_flattened();
+        self.bytes(&(indices.len() as u64).to_le_bytes());
+        self.words(indices.iter().map(|i| i.to_le_bytes()));
         self.bytes(&mesh.material.to_le_bytes());
     }
 
@@ -95,11 +117,11 @@ impl Hasher {
             }
             Texels::Linear16(t) => {
                 self.bytes(&[2]);
-                t.as_flattened().iter().for_each(|x| self.bytes(&x.to_le_bytes()));
+                self.words(t.as_flattened().iter().map(|x| x.to_le_bytes()));
             }
             Texels::Float(t) => {
                 self.bytes(&[3]);
-                t.as_flattened().iter().for_each(|x| self.float(*x));
+                self.words(t.as_flattened().iter().map(|x| x.to_le_bytes()));
             }
         }
     }

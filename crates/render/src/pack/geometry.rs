@@ -22,8 +22,9 @@ const LARGEST_HALF: f32 = 65504.0;
 
 /// The slots of the hierarchies' leaves.
 pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions: &[[Vec3; 3]]) -> Vec<Word4> {
+    const STRIDE: usize = k::TRIANGLE_STRIDE as usize;
     let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives().len()).sum();
-    let mut words = Vec::with_capacity(n_slots * k::TRIANGLE_STRIDE as usize);
+    let mut words = vec![Word4::default(); n_slots * STRIDE];
     let kind_of = |mesh: &Mesh| {
         let material = &world.scene().materials[mesh.material as usize];
         let solid = material.opacity == Opacity::Opaque && !is_absent(material);
@@ -31,24 +32,32 @@ pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions:
     };
     let baked = world.baked().flat_map(|mesh| repeat_n(kind_of(mesh.mesh()), mesh.n_triangles() as usize));
     let baked: Vec<u32> = baked.collect();
-    let mut slot = |[a, b, c]: [Vec3; 3], primitive: u32, kind: u32| {
-        words.extend([word4(a, primitive), word4(b - a, kind), word4(c - a, 0)]);
+    let slot = |[a, b, c]: [Vec3; 3], primitive: u32, kind: u32| -> [Word4; STRIDE] {
+        [word4(a, primitive), word4(b - a, kind), word4(c - a, 0)]
     };
-    for &primitive in two_level.world.primitives() {
-        match positions.get(primitive as usize) {
-            Some(&triangle) => slot(triangle, primitive, baked[primitive as usize]),
-            None => {
-                let placement = primitive - positions.len() as u32;
-                slot([Vec3::ZERO; 3], two_level.record(placement), k::SLOT_INSTANCE);
-            }
+    let of_world = |primitive: u32| match positions.get(primitive as usize) {
+        Some(&triangle) => slot(triangle, primitive, baked[primitive as usize]),
+        None => {
+            let placement = primitive - positions.len() as u32;
+            slot([Vec3::ZERO; 3], two_level.record(placement), k::SLOT_INSTANCE)
         }
-    }
+    };
+    let (own, mut rest) = words.split_at_mut(two_level.world.primitives().len() * STRIDE);
+    fill(own, two_level.world.primitives(), of_world);
     for (bvh, &mesh) in two_level.meshes.iter().zip(&world.meshes) {
         let alone = world.scene().mesh_alone(mesh);
         let kind = kind_of(alone.mesh());
-        bvh.primitives().iter().for_each(|&primitive| slot(alone.positions(primitive), primitive, kind));
+        let (own, others) = rest.split_at_mut(bvh.primitives().len() * STRIDE);
+        fill(own, bvh.primitives(), |primitive| slot(alone.positions(primitive), primitive, kind));
+        rest = others;
     }
     words
+}
+
+/// A slot for each primitive, by all cores.
+fn fill<const N: usize>(words: &mut [Word4], primitives: &[u32], slot: impl Fn(u32) -> [Word4; N] + Sync) {
+    let slots = words.par_chunks_exact_mut(N).zip(primitives);
+    slots.for_each(|(words, &primitive)| words.copy_from_slice(&slot(primitive)));
 }
 
 /// Where things are among the words of `scene`.

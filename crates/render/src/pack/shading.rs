@@ -1,5 +1,5 @@
-//! What shading reads of a scene (`scene` in WGSL): all that needs no hierarchy, so that it is packed while
-//! one is built, and the lights behind it, whose media a hierarchy tells.
+//! What shading reads of a scene (`scene` in WGSL): all that needs no hierarchy, and the lights behind it,
+//! whose media a hierarchy tells.
 
 use glam::Vec3;
 use midway_kernels::constants as k;
