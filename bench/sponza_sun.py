@@ -182,18 +182,23 @@ def luxcore(args, scene, ply):
         "path.clamping.variance.maxvalue": 0.0, "lightstrategy.type": "POWER",
     }), loaded)
     session = pyluxcore.RenderSession(config)
+
+    def count():
+        session.UpdateStats()
+        return session.GetStats().Get("stats.renderengine.total.samplecount").GetFloat()
+
     session.Start()
+    while count() == 0:
+        time.sleep(0.02)
     start = time.perf_counter()
     time.sleep(args.seconds)
     session.Pause()
-    seconds = time.perf_counter() - start
-    session.UpdateStats()
-    count = session.GetStats().Get("stats.renderengine.total.samplecount").GetFloat()
+    seconds, samples = time.perf_counter() - start, count()
     film = session.GetFilm()
     pixels = np.empty(film.GetOutputSize(pyluxcore.FilmOutputType.RGB), np.float32)
     film.GetOutputFloat(pyluxcore.FilmOutputType.RGB, pixels, 0, True)
     session.Stop()
-    return pixels.reshape(height, width, 3)[::-1], count / (width * height), seconds
+    return pixels.reshape(height, width, 3)[::-1], samples / (width * height), seconds
 
 
 def main():
