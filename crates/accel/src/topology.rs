@@ -60,7 +60,8 @@ impl Limits {
     }
 }
 
-fn max_depth(options: &BuildOptions) -> usize {
+/// Levels of inner nodes at most.
+pub(crate) fn max_depth(options: &BuildOptions) -> usize {
     options.max_depth.clamp(BALANCED_DEPTH, STACK_SIZE - 1)
 }
 
@@ -74,8 +75,8 @@ fn boxes(references: &[Reference], normalisation: &Normalisation) -> Vec<Aabb> {
     references.par_iter().map(|r| normalisation.bounds(&r.bounds)).collect()
 }
 
-/// A tree whose leaves hold one reference each, as `obvhs` made it; none where there is nothing, or where
-/// [`build`] has to have a hand in it.
+/// A tree whose leaves hold one reference each, as `obvhs` made it, however deep; none where there is
+/// nothing, or where [`build`] has to have a hand in it.
 pub(crate) fn build_singles(
     references: &[Reference],
     normalisation: &Normalisation,
@@ -85,9 +86,7 @@ pub(crate) fn build_singles(
     if boxes.is_empty() || Clusters::of(&boxes).is_some() {
         return None;
     }
-    let bvh = build_obvhs(&boxes, options.quality, 1);
-    let levels = depth(bvh.nodes.len(), 0, |i| children(&bvh, i));
-    (levels <= max_depth(options)).then_some(bvh)
+    Some(build_obvhs(&boxes, options.quality, 1))
 }
 
 pub(crate) fn build(

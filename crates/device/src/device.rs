@@ -66,6 +66,23 @@ pub trait Device: Send + Sync {
     /// [`DeviceError::OutOfMemory`], [`DeviceError::BufferTooLarge`] or [`DeviceError::BufferSize`].
     fn create_buffer(&self, label: &str, bytes: u64, usage: BufferUsage) -> Result<Buffer, DeviceError>;
 
+    /// A buffer that holds `words`, at least one. Where the device's memory is the host's, it is theirs: they
+    /// are not copied.
+    ///
+    /// # Errors
+    /// As [`Device::create_buffer`], or if the device is lost.
+    fn create_buffer_of(
+        &self,
+        label: &str,
+        words: Vec<[u32; 4]>,
+        usage: BufferUsage,
+    ) -> Result<Buffer, DeviceError> {
+        let bytes = bytemuck::cast_slice(&words);
+        let buffer = self.create_buffer(label, bytes.len() as u64, usage)?;
+        self.write_buffer(&buffer, 0, bytes)?;
+        Ok(buffer)
+    }
+
     /// Copies `data` into the buffer at `offset` bytes, before any later [`Device::run`]. Offset
     /// and length are multiples of 4.
     ///

@@ -67,6 +67,39 @@ fn every_attribute_and_byte_order() {
     }
 }
 
+/// Whole numbers of 32 bits, the indices of most files, are read by themselves in little endian.
+#[test]
+fn indices_of_32_bits_in_both_byte_orders() {
+    for (kind, index, is_there) in
+        [("int", -1i32, false), ("uint", -1, false), ("int", 3, true), ("uint", 3, true)]
+    {
+        for format in ["binary_little_endian", "binary_big_endian"] {
+            let mut bytes = ascii(&QUAD.replace("uchar int", &format!("uchar {kind}")), "");
+            bytes = bytes.replace("ascii", format);
+            let order = |mut bytes: Vec<u8>| {
+                if format == "binary_big_endian" {
+                    bytes.reverse();
+                }
+                bytes
+            };
+            let mut bytes = bytes.into_bytes();
+            for [x, y] in [[0.0f32, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]] {
+                bytes.extend([x, y].map(|x| order(x.to_le_bytes().into())).concat());
+                bytes.extend([0; 8]);
+            }
+            bytes.push(4);
+            bytes.extend([0, 1, 2, index].map(|i| order(i.to_le_bytes().into())).concat());
+            let found = load_bytes("a.ply", &bytes);
+            if is_there {
+                let area: f32 = found.expect("is read").scene.world_triangles().map(|t| t.area()).sum();
+                assert_eq!(area, 2.0);
+            } else {
+                assert!(matches!(found, Err(ImportError::OutOfRange { index: -1, .. })), "{kind}, {format}");
+            }
+        }
+    }
+}
+
 #[test]
 fn strips_keep_their_front() {
     let header = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n\

@@ -131,14 +131,14 @@ impl Renderer {
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         settings.validate()?;
-        let packed = PackedScene::new(scene, camera, &settings, device.info().kind)?;
+        let mut packed = PackedScene::new(scene, camera, &settings, device.info().kind)?;
         let n_pixels = n_pixels(&settings);
         let bytes = |words: &[[u32; 4]]| size_of_val(words) as u64;
         let scene_plan = plan_scene(bytes(&packed.nodes), bytes(&packed.triangles), &packed);
         let n_groups = if settings.light_groups { packed.light_groups.len() as u32 } else { 1 };
         plan_shared(&scene_plan, &settings, n_pixels, n_groups).check(device.info())?;
         let pipelines = load_kernels(&*device, &packed, &settings)?;
-        let mut shared = upload(&*device, &packed)?;
+        let mut shared = upload(&*device, &mut packed)?;
         make_film(&*device, &mut shared, n_pixels, n_groups)?;
         let (packed, camera) = (packed.without_copied(), camera.clone());
         let (light_vertices, stop) = (Vec::new(), Arc::default());
@@ -653,13 +653,13 @@ fn n_light_paths(settings: &RenderSettings) -> u32 {
     }
 }
 
-/// Copies the scene to the device.
-fn upload(device: &dyn Device, packed: &PackedScene) -> Result<BufferSet, RenderError> {
+/// Hands the scene's words over to the device, and copies its images there.
+fn upload(device: &dyn Device, packed: &mut PackedScene) -> Result<BufferSet, RenderError> {
     let mut set = BufferSet::default();
-    let parts: [(&'static str, &[[u32; 4]]); 3] =
-        [("nodes", &packed.nodes), ("triangles", &packed.triangles), ("scene", &packed.scene)];
+    let parts =
+        [("nodes", &mut packed.nodes), ("triangles", &mut packed.triangles), ("scene", &mut packed.scene)];
     for (name, words) in parts {
-        set.insert(name, upload_words(device, name, words)?);
+        set.insert(name, upload_words(device, name, std::mem::take(words))?);
     }
     let texels = device.create_buffer("texels", packed.images.bytes(), BufferUsage::Texels)?;
     packed.images.upload(device, &texels)?;
@@ -668,12 +668,11 @@ fn upload(device: &dyn Device, packed: &PackedScene) -> Result<BufferSet, Render
 }
 
 /// A buffer of a scene's words.
-fn upload_words(device: &dyn Device, name: &str, words: &[[u32; 4]]) -> Result<Buffer, RenderError> {
-    // A kernel's array has at least one element, even over an empty scene.
-    let bytes = (size_of_val(words) as u64).max(16);
-    let buffer = device.create_buffer(name, bytes, BufferUsage::Storage)?;
-    device.write_buffer(&buffer, 0, bytemuck::cast_slice(words))?;
-    Ok(buffer)
+fn upload_words(device: &dyn Device, name: &str, mut words: Vec<[u32; 4]>) -> Result<Buffer, RenderError> {
+    if words.is_empty() {
+        words.push([0; 4]); // a kernel's array has at least one element, even over an empty scene
+    }
+    Ok(device.create_buffer_of(name, words, BufferUsage::Storage)?)
 }
 
 /// Compiles what `settings` need, all at once, for this scene.

@@ -128,6 +128,20 @@ impl Haste {
     }
 }
 
+/// What an engine is made with besides its scene.
+pub struct Seed {
+    /// Where it renders.
+    pub device: Arc<dyn Device>,
+    /// With what.
+    pub settings: RenderSettings,
+    /// How it is shown.
+    pub shown: Shown,
+    /// How long frames in motion are to last.
+    pub hold_time: Duration,
+    /// By which long passes are ended.
+    pub haste: Haste,
+}
+
 /// The renderers of one scene.
 pub struct Engine {
     /// The scene, with the environment as it is now.
@@ -171,14 +185,8 @@ impl Engine {
     ///
     /// # Errors
     /// If the renderer cannot be made.
-    pub fn new(
-        device: Arc<dyn Device>,
-        scene: Scene,
-        settings: RenderSettings,
-        shown: Shown,
-        hold_time: Duration,
-        haste: Haste,
-    ) -> Result<Self, ViewError> {
+    pub fn new(scene: Scene, seed: Seed) -> Result<Self, ViewError> {
+        let Seed { device, settings, shown, hold_time, haste } = seed;
         let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds(), 1.0));
         let settings = RenderSettings { aovs: aovs(shown.layer), crop: None, ..settings };
         let scene = Arc::new(scene);
@@ -206,6 +214,18 @@ impl Engine {
             frame_time: Duration::ZERO,
             haste,
         })
+    }
+
+    /// Takes the place of another: rendered and shown as that is by now, whole and with all lights in full.
+    ///
+    /// # Errors
+    /// If that does not fit this scene.
+    pub fn succeed(&mut self, other: &Self) -> Result<(), ViewError> {
+        self.hold_time = other.hold_time;
+        let settings = RenderSettings { crop: None, light_groups: false, ..other.settings.clone() };
+        self.change(settings)?;
+        self.shown = other.shown;
+        Ok(())
     }
 
     /// Whether frames are rendered for speed.

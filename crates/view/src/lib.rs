@@ -11,6 +11,7 @@ mod engine;
 mod frame;
 mod guard;
 mod layers;
+mod opening;
 mod pick;
 mod protocol;
 mod publish;

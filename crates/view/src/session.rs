@@ -21,9 +21,11 @@ use tokio::sync::{broadcast, oneshot, watch};
 
 use crate::{
     ViewError, black,
-    engine::{Engine, Half, Haste},
+    engine::{Engine, Half, Haste, Seed},
     frame::{Encoding, Frame},
-    layers, pick,
+    layers,
+    opening::{Arrival, Opened, Opening, name_of},
+    pick,
     protocol::{Method, Request, Shown, Surroundings},
     save::{self, Format},
 };
@@ -100,7 +102,9 @@ impl Session {
         let (session, inbox) = Self::of(frames, status_receiver, scene_receiver);
         let Start { device, scene: loaded, name, settings, hold, reference } = start;
         let haste = session.haste.clone();
-        let engine = Engine::new(Arc::clone(&device), loaded, settings, Shown::default(), hold, haste)?;
+        let shown = Shown::default();
+        let seed = Seed { device: Arc::clone(&device), settings, shown, hold_time: hold, haste };
+        let engine = Engine::new(loaded, seed)?;
         let mut worker = Worker {
             engine,
             device,
@@ -117,6 +121,7 @@ impl Session {
             told_at: Instant::now(),
             stale: true,
             failure: None,
+            opening: Opening::default(),
         };
         worker.tell_scene();
         thread::Builder::new().name("render".into()).spawn(move || worker.run(&inbox))?;
@@ -137,8 +142,7 @@ impl Session {
     /// Hands over a command; false where too many wait.
     pub fn send(&self, command: Command) -> bool {
         let ends_the_pass = match &command {
-            Command::Open(_) => true,
-            Command::Save(..) => false,
+            Command::Open(_) | Command::Save(..) => false,
             Command::Request(request) => request.forgets_samples(),
         };
         let taken = self.commands.try_send(command).is_ok();
@@ -193,11 +197,17 @@ struct Worker {
     /// Whether what is shown is not what there is.
     stale: bool,
     failure: Option<String>,
+    opening: Opening,
 }
 
 impl Worker {
     fn run(&mut self, inbox: &mpsc::Receiver<Command>) {
         loop {
+            if let Some(outcome) = self.opening.arrived() {
+                self.stale = true;
+                let outcome = outcome.and_then(|arrival| self.welcome(arrival));
+                self.tell_refusal(outcome);
+            }
             let idle = self.is_idle();
             let wait = if idle { Duration::from_millis(100) } else { Duration::ZERO };
             match inbox.recv_timeout(wait) {
@@ -226,9 +236,14 @@ impl Worker {
     /// Carries out a command and all that came with it; of views the last counts.
     fn obey_all(&mut self, first: Command, inbox: &mpsc::Receiver<Command>) {
         for command in std::iter::once(first).chain(inbox.try_iter().take(QUEUE)) {
-            if let Err(error) = self.obey(command) {
-                self.event(&json!({ "type": "refused", "reason": error.to_string() }));
-            }
+            let outcome = self.obey(command);
+            self.tell_refusal(outcome);
+        }
+    }
+
+    fn tell_refusal(&self, outcome: Result<(), ViewError>) {
+        if let Err(error) = outcome {
+            self.event(&json!({ "type": "refused", "reason": error.to_string() }));
         }
     }
 
@@ -236,7 +251,7 @@ impl Worker {
         self.stale = true;
         match command {
             Command::Request(request) => self.obey_request(request),
-            Command::Open(path) => self.open(&path),
+            Command::Open(path) => self.open(path),
             Command::Save(format, answer) => {
                 self.engine.end_pass()?;
                 let saved = save::bytes(&self.engine, &self.name, &self.device, format);
@@ -277,25 +292,33 @@ impl Worker {
         Ok(())
     }
 
-    /// Opens a scene, an environment or a reference by its extension.
-    fn open(&mut self, path: &std::path::Path) -> Result<(), ViewError> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        self.event(&json!({ "type": "notice", "text": format!("opening {name}") }));
-        if extension == "hdr" || extension == "exr" {
-            let (image, warnings) =
-                midway_import::load_environment(path).map_err(|e| ViewError::Refused(e.to_string()))?;
-            self.engine.surround(Surroundings { strength: 1.0, rotation: 0.0 }, Some(image))?;
-            self.warn(&warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
-        } else {
-            let import = midway_import::load(path).map_err(|e| ViewError::Refused(e.to_string()))?;
-            let settings = RenderSettings { light_groups: false, ..self.engine.settings.clone() };
-            let shown = self.engine.shown;
-            let (hold, haste) = (self.engine.hold_time(), self.engine.haste.clone());
-            self.engine = Engine::new(Arc::clone(&self.device), import.scene, settings, shown, hold, haste)?;
-            (self.name, self.reference) = (name, None);
-            self.warn(&import.warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
+    /// Begins to open a scene or an environment; the picture goes on meanwhile.
+    fn open(&mut self, path: PathBuf) -> Result<(), ViewError> {
+        self.event(&json!({ "type": "notice", "text": format!("opening {}", name_of(&path)) }));
+        let engine = &self.engine;
+        let seed = Seed {
+            device: Arc::clone(&self.device),
+            settings: RenderSettings { light_groups: false, ..engine.settings.clone() },
+            shown: engine.shown,
+            hold_time: engine.hold_time(),
+            haste: engine.haste.clone(),
+        };
+        self.opening.start(path, seed)
+    }
+
+    /// Shows what was opened.
+    fn welcome(&mut self, arrival: Arrival) -> Result<(), ViewError> {
+        match arrival.opened {
+            Opened::Environment(image) => {
+                self.engine.surround(Surroundings { strength: 1.0, rotation: 0.0 }, Some(image))?;
+            }
+            Opened::Scene(mut engine) => {
+                engine.succeed(&self.engine)?;
+                self.engine = *engine;
+                (self.name, self.reference) = (arrival.name, None);
+            }
         }
+        self.warn(&arrival.warnings);
         (self.measured, self.failure) = (Measured::default(), None);
         self.tell_scene();
         Ok(())

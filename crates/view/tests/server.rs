@@ -357,6 +357,36 @@ async fn uploads_are_opened_and_pictures_saved() {
     browser.told_that(|m| m["type"] == "status" && m["failure"].is_null()).await;
 }
 
+/// A scene that takes its time is opened beside the picture, which answers meanwhile.
+#[tokio::test]
+async fn the_picture_goes_on_while_a_scene_is_opened() {
+    const SIDE: usize = 400;
+    let server = Running::start(None, false);
+    let mut browser = server.browser().await;
+    let vertices = (0..SIDE * SIDE).map(|i| format!("v {} {} {}\n", i % SIDE, i / SIDE, i % 7));
+    let corners = (0..SIDE * (SIDE - 1)).filter(|i| i % SIDE + 1 < SIDE).map(|i| i + 1);
+    let faces = corners.map(|i| format!("f {i} {} {} {}\n", i + 1, i + 1 + SIDE, i + SIDE));
+    let field: String = vertices.chain(faces).collect();
+    assert_eq!(server.put("/upload/3/field.obj", &browser.key, field.as_bytes()), 204);
+    browser.ask(json!({ "type": "open", "batch": 3, "path": "field.obj" })).await;
+    browser.ask(look(7)).await;
+    let is_field = |message: &Value| message["type"] == "scene" && message["name"] == "field.obj";
+    loop {
+        match browser.next().await {
+            Message::Binary(bytes) => {
+                browser.ask(json!({ "type": "decoded" })).await;
+                if bytes[8..12] == 7u32.to_le_bytes() {
+                    break;
+                }
+            }
+            Message::Text(text) => assert!(!is_field(&serde_json::from_str(&text).expect("JSON"))),
+            _ => {}
+        }
+    }
+    let triangles = browser.told_that(is_field).await["triangles"].as_u64();
+    assert_eq!(triangles, Some(2 * (SIDE as u64 - 1).pow(2)));
+}
+
 #[tokio::test]
 async fn a_picture_to_be_looked_at_cannot_be_changed() {
     let server = Running::start(None, true);

@@ -2,10 +2,12 @@
 //! Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
 //! HPG 2017).
 //!
-//! Which nodes become children of one, and in which slot a child lies, is `obvhs`' doing; boxes are
-//! taken anew from the triangles' own padded ones, so that they hold in the kernels' arithmetic.
+//! The binary tree is `obvhs`' doing; boxes are taken anew from the triangles' own padded ones, so that they
+//! hold in the kernels' arithmetic.
 
+mod collapse;
 mod node;
+mod pack;
 mod validate;
 
 use std::time::Instant;
@@ -15,12 +17,11 @@ use midway_scene::Bounds;
 use obvhs::{
     aabb::Aabb,
     bvh2::{Bvh2, node::Bvh2Node},
-    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh, node::CwBvhNode},
 };
-use rayon::prelude::*;
 
+use self::{collapse::Collapse, pack::pack};
 use crate::{
-    AccelError, BuildOptions, Child, Statistics,
+    AccelError, BuildOptions, Statistics,
     references::{Normalisation, Reference},
     topology::{self, Tree, TreeNode},
 };
@@ -48,6 +49,13 @@ pub struct WideBvh {
 }
 
 impl WideBvh {
+    /// Over nothing.
+    fn empty() -> Self {
+        let statistics = Statistics { inner_nodes: 1, ..Statistics::default() };
+        let (nodes, bounds) = (vec![WideNode::EMPTY], Bounds::EMPTY);
+        Self { nodes, primitives: Vec::new(), max_depth: 1, bounds, statistics }
+    }
+
     /// Bytes that `nodes` and `primitives` take.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.primitives.as_slice())
@@ -80,13 +88,17 @@ pub fn build_wide_with_instances(
     let binary = BuildOptions { max_leaf_size: 1, ..*options };
     let (references, normalisation) = crate::collect(triangles, instances, &binary)?;
     let mut balanced_fallback = false;
-    let bvh = topology::build_singles(&references, &normalisation, &binary).or_else(|| {
+    let collapsed = |bvh: &Bvh2, max_depth: usize| {
+        Collapse::new(bvh, max_leaf_size as u32, max_depth).map(|collapse| pack(&collapse, &references))
+    };
+    let singles = topology::build_singles(&references, &normalisation, &binary);
+    let wide = singles.and_then(|bvh| collapsed(&bvh, topology::max_depth(&binary))).or_else(|| {
         let tree = topology::build(&references, triangles.len(), &normalisation, &binary);
         balanced_fallback = tree.balanced_fallback;
-        to_obvhs(&tree, &references, &normalisation)
+        // It is no deeper than it may be.
+        to_obvhs(&tree, &references, &normalisation).and_then(|bvh| collapsed(&bvh, usize::MAX))
     });
-    let wide = bvh.map_or_else(CwBvh::default, |bvh| bvh2_to_cwbvh(&bvh, max_leaf_size as u32, true, false));
-    let mut wide = pack(&wide, &references);
+    let mut wide = wide.unwrap_or_else(WideBvh::empty);
     wide.statistics = Statistics {
         triangles: triangles.len(),
         duplicated_references: wide.primitives.len().saturating_sub(triangles.len() + instances.len()),
@@ -128,59 +140,4 @@ fn to_obvhs(tree: &Tree, references: &[Reference], normalisation: &Normalisation
 
 fn tree_is_inner(tree: &Tree, node: usize) -> bool {
     matches!(tree.nodes[node], TreeNode::Inner { .. })
-}
-
-/// Takes over a topology, with boxes of our own. Primitives of `wide` are references.
-fn pack(wide: &CwBvh, references: &[Reference]) -> WideBvh {
-    let n_nodes = wide.nodes.len();
-    let (mut bounds, mut depths) = (vec![Bounds::EMPTY; n_nodes], vec![1; n_nodes]);
-    let leaf = |source: &CwBvhNode, slot: usize| {
-        let (first, count) = source.child_primitives(slot);
-        let members = &wide.primitive_indices[first as usize..(first + count) as usize];
-        let around = |all: Bounds, &member: &u32| all.union(references[member as usize].bounds);
-        (members.iter().fold(Bounds::EMPTY, around), Child::Leaf { first, count })
-    };
-    let children = |source: &CwBvhNode, bounds: &[Bounds]| -> [Option<(Bounds, Child)>; 8] {
-        std::array::from_fn(|slot| {
-            (!source.is_child_empty(slot)).then(|| {
-                if source.is_leaf(slot) {
-                    return leaf(source, slot);
-                }
-                let node = source.child_node_index(slot);
-                (bounds[node as usize], Child::Inner(node))
-            })
-        })
-    };
-    let mut statistics = Statistics { inner_nodes: n_nodes.max(1), ..Statistics::default() };
-    let mut area_cost = 0.0;
-    // Children come after their parents.
-    for (index, source) in wide.nodes.iter().enumerate().rev() {
-        let mut all = Bounds::EMPTY;
-        for (around, child) in children(source, &bounds).into_iter().flatten() {
-            all = all.union(around);
-            match child {
-                Child::Inner(node) => depths[index] = depths[index].max(1 + depths[node as usize]),
-                Child::Leaf { count, .. } => {
-                    statistics.leaves += 1;
-                    area_cost += around.half_area() * f64::from(count);
-                }
-            }
-        }
-        area_cost += all.half_area();
-        bounds[index] = all;
-    }
-    let packed = |(source, around): (&CwBvhNode, &Bounds)| WideNode::new(around, &children(source, &bounds));
-    let mut nodes: Vec<WideNode> = wide.nodes.par_iter().zip(&bounds).map(packed).collect();
-    nodes.resize(n_nodes.max(1), WideNode::EMPTY);
-    let root = bounds.first().copied().unwrap_or(Bounds::EMPTY);
-    if root.half_area() > 0.0 {
-        statistics.sah_cost = (area_cost / root.half_area()) as f32;
-    }
-    WideBvh {
-        nodes,
-        primitives: wide.primitive_indices.par_iter().map(|&r| references[r as usize].primitive).collect(),
-        max_depth: depths.first().copied().unwrap_or(1),
-        bounds: root,
-        statistics,
-    }
 }

@@ -3,6 +3,7 @@
 use std::{
     alloc::{Layout, alloc_zeroed, dealloc},
     cell::UnsafeCell,
+    mem::ManuallyDrop,
     ptr::NonNull,
     sync::{
         Arc,
@@ -39,14 +40,25 @@ impl Budget {
     }
 }
 
+/// Kernels load four words at once.
+const VECTOR_ALIGNMENT: usize = 16;
+
 /// One buffer's words.
 #[derive(Debug)]
 pub(super) struct Memory {
-    block: NonNull<u8>,
-    layout: Layout,
+    source: Source,
     first: NonNull<UnsafeCell<u32>>,
     n_words: usize,
     budget: Arc<Budget>,
+}
+
+/// Where the words came from, and go when they are done with.
+#[derive(Debug)]
+enum Source {
+    /// The allocator.
+    Block(NonNull<u8>, Layout),
+    /// A list of this capacity that was handed over.
+    List(usize),
 }
 
 // SAFETY: the block is owned by this value alone; `UnsafeCell` leaves it to the accesses, which the
@@ -72,7 +84,23 @@ impl Memory {
         let to_alignment = block.as_ptr().align_offset(ALIGNMENT);
         // SAFETY: `to_alignment` is below `ALIGNMENT`, by which the block is longer than `bytes`.
         let first = unsafe { block.add(to_alignment) }.cast();
-        Some(Self { block, layout, first, n_words: (bytes / 4) as usize, budget: budget.clone() })
+        let source = Source::Block(block, layout);
+        Some(Self { source, first, n_words: (bytes / 4) as usize, budget: budget.clone() })
+    }
+
+    /// The memory of `words`, taken over; the words again where there are none, the budget has none left,
+    /// or they do not lie as kernels need them.
+    pub(super) fn of(words: Vec<[u32; 4]>, budget: &Arc<Budget>) -> Result<Self, Vec<[u32; 4]>> {
+        let bytes = size_of_val(words.as_slice()) as u64;
+        let lies_well = words.as_ptr().addr().is_multiple_of(VECTOR_ALIGNMENT);
+        if words.is_empty() || !lies_well || !budget.take(bytes) {
+            return Err(words);
+        }
+        let mut words = ManuallyDrop::new(words);
+        let source = Source::List(words.capacity());
+        // SAFETY: a list's pointer is never null. It is to all of the list's capacity.
+        let first = unsafe { NonNull::new_unchecked(words.as_mut_ptr()) }.cast();
+        Ok(Self { source, first, n_words: words.len() * 4, budget: budget.clone() })
     }
 
     /// The buffer as cells.
@@ -94,8 +122,15 @@ impl Memory {
 
 impl Drop for Memory {
     fn drop(&mut self) {
-        // SAFETY: allocated in `zeroed` with this layout and freed only here.
-        unsafe { dealloc(self.block.as_ptr(), self.layout) };
+        match self.source {
+            // SAFETY: allocated in `zeroed` with this layout and freed only here.
+            Source::Block(block, layout) => unsafe { dealloc(block.as_ptr(), layout) },
+            Source::List(capacity) => {
+                let first = self.first.as_ptr().cast::<[u32; 4]>();
+                // SAFETY: the parts that `of` took a list apart into, put together only here.
+                drop(unsafe { Vec::from_raw_parts(first, self.n_words / 4, capacity) });
+            }
+        }
         self.budget.give_back(self.len() as u64);
     }
 }
@@ -115,6 +150,27 @@ mod tests {
         assert!(Memory::zeroed(100, &budget).is_none(), "over the budget");
         drop(memory);
         assert!(Memory::zeroed(4096, &budget).is_some(), "what was dropped is free again");
+    }
+
+    #[test]
+    fn a_list_is_taken_over_and_counted() {
+        let budget = Budget::new(64);
+        let mut words = Vec::with_capacity(9);
+        words.extend((0..3).map(|i| [i, i, i, 7 * i]));
+        let place = words.as_ptr().addr();
+        let memory = match Memory::of(words, &budget) {
+            Ok(memory) => memory,
+            // An allocator may lay four words anywhere; then they are copied.
+            Err(words) => return assert!(!words.as_ptr().addr().is_multiple_of(16)),
+        };
+        assert_eq!((memory.as_mut_ptr().addr(), memory.len()), (place, 48));
+        // SAFETY: nothing else accesses the memory.
+        assert_eq!(unsafe { *memory.words()[11].get() }, 14);
+        let refused = Memory::of(vec![[1; 4]; 2], &budget).expect_err("over the budget");
+        assert_eq!(refused, [[1; 4]; 2]);
+        assert!(Memory::of(Vec::new(), &budget).is_err());
+        drop(memory);
+        assert!(Memory::zeroed(64, &budget).is_some(), "what was dropped is free again");
     }
 
     #[test]

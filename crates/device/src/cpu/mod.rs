@@ -184,6 +184,25 @@ impl Device for CpuDevice {
         Ok(Buffer { label: label.into(), bytes, usage, device: self.id, inner: Arc::new(memory) })
     }
 
+    fn create_buffer_of(
+        &self,
+        label: &str,
+        words: Vec<[u32; 4]>,
+        usage: BufferUsage,
+    ) -> Result<Buffer, DeviceError> {
+        let bytes = size_of_val(words.as_slice()) as u64;
+        self.check().size(label, bytes, self.budget.limit)?;
+        let memory = match Memory::of(words, &self.budget) {
+            Ok(memory) => memory,
+            Err(words) => {
+                let buffer = self.create_buffer(label, bytes, usage)?;
+                self.write_buffer(&buffer, 0, bytemuck::cast_slice(&words))?;
+                return Ok(buffer);
+            }
+        };
+        Ok(Buffer { label: label.into(), bytes, usage, device: self.id, inner: Arc::new(memory) })
+    }
+
     fn write_buffer(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError> {
         self.check().range(buffer, offset, data.len() as u64)?;
         self.check().whole_texels(buffer, offset, data.len() as u64)?;

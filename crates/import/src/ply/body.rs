@@ -28,6 +28,18 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// The next number as an index; what is none is the largest there is.
+    #[inline]
+    pub fn next_index(&mut self, kind: Scalar) -> Option<u32> {
+        if let (Format::LittleEndian, Scalar::I32) = (self.format, kind) {
+            let (bytes, rest) = self.rest.split_first_chunk()?;
+            self.rest = rest;
+            return Some(u32::try_from(i32::from_le_bytes(*bytes)).unwrap_or(u32::MAX));
+        }
+        let index = self.next(kind)?;
+        Some(if index.fract() == 0.0 && index >= 0.0 { index as u32 } else { u32::MAX })
+    }
+
     fn word(&mut self) -> Option<&'a str> {
         let start = self.rest.iter().position(|b| !b.is_ascii_whitespace())?;
         let rest = &self.rest[start..];

@@ -208,9 +208,8 @@ impl Reader<'_> {
     fn list(&mut self, length: Scalar, kind: Scalar) -> Option<u32> {
         let n = length_of(self.body.next(length)?)?;
         for _ in 0..n {
-            let index = self.body.next(kind)?;
             // What is no index is found out of range with those that are too large.
-            self.corners.push(if index.fract() == 0.0 && index >= 0.0 { index as u32 } else { u32::MAX });
+            self.corners.push(self.body.next_index(kind)?);
         }
         u32::try_from(n).ok()
     }

@@ -96,10 +96,10 @@ impl Renderer {
     /// If the environment is invalid, or the device fails or is too small.
     pub fn set_environment(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let mut kept = self.kept.clone();
-        let packed = kept.packed.surrounded(scene, &kept.camera, &self.settings)?;
+        let mut packed = kept.packed.surrounded(scene, &kept.camera, &self.settings)?;
         let [nodes, triangles] = ["nodes", "triangles"].map(|name| kept.shared.get(name).bytes());
         kept.scene_plan = plan_scene(nodes, triangles, &packed);
-        kept.shared.insert("scene", upload_words(&*self.device, "scene", &packed.scene)?);
+        kept.shared.insert("scene", upload_words(&*self.device, "scene", std::mem::take(&mut packed.scene))?);
         kept.packed = packed.without_copied();
         kept.light_vertices.clear();
         self.rebuild_with(kept, self.settings.clone(), false)

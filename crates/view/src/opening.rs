@@ -1,0 +1,99 @@
+//! Files that are opened: read, decoded and packed on a thread of their own, so that the picture goes on.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::mpsc::{self, Receiver, TryRecvError},
+    thread,
+};
+
+use midway_scene::Image;
+
+use crate::{
+    ViewError,
+    engine::{Engine, Seed},
+};
+
+/// What a file turned out to be.
+pub enum Opened {
+    /// A scene, on the device.
+    Scene(Box<Engine>),
+    /// An environment.
+    Environment(Image),
+}
+
+/// A file that is open, with its name and what was said of it.
+pub struct Arrival {
+    /// The file's name.
+    pub name: String,
+    /// What it is.
+    pub opened: Opened,
+    /// What of it is not used.
+    pub warnings: Vec<String>,
+}
+
+type Outcome = Result<Arrival, ViewError>;
+
+/// At most one file that is being opened, and of those that were asked for meanwhile the last.
+#[derive(Default)]
+pub struct Opening {
+    running: Option<Receiver<Outcome>>,
+    next: Option<(PathBuf, Seed)>,
+}
+
+impl Opening {
+    /// Opens a file as soon as none is being opened. `seed`: what a scene's engine is made of.
+    ///
+    /// # Errors
+    /// If the system refuses a thread.
+    pub fn start(&mut self, path: PathBuf, seed: Seed) -> Result<(), ViewError> {
+        self.next = Some((path, seed));
+        self.go_on()
+    }
+
+    /// The file that was opened since this was last asked; none while it takes its time.
+    ///
+    /// # Errors
+    /// If it could not be opened.
+    pub fn arrived(&mut self) -> Option<Outcome> {
+        let outcome = match self.running.as_ref()?.try_recv() {
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => Err(ViewError::Refused("the file could not be opened".into())),
+            Ok(outcome) => outcome,
+        };
+        self.running = None;
+        let goes_on = self.go_on();
+        Some(goes_on.and(outcome))
+    }
+
+    fn go_on(&mut self) -> Result<(), ViewError> {
+        if self.running.is_some() {
+            return Ok(());
+        }
+        let Some((path, seed)) = self.next.take() else { return Ok(()) };
+        let (sender, receiver) = mpsc::sync_channel(1);
+        // Nobody may wait for it any more.
+        let open = move || drop(sender.send(open(&path, seed)));
+        thread::Builder::new().name("open".into()).spawn(open)?;
+        self.running = Some(receiver);
+        Ok(())
+    }
+}
+
+/// The name by which a file is shown.
+pub fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// A scene or an environment, by its extension.
+fn open(path: &Path, seed: Seed) -> Outcome {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let refused = |error: midway_import::ImportError| ViewError::Refused(error.to_string());
+    let (opened, warnings) = if extension == "hdr" || extension == "exr" {
+        let (image, warnings) = midway_import::load_environment(path).map_err(refused)?;
+        (Opened::Environment(image), warnings)
+    } else {
+        let import = midway_import::load(path).map_err(refused)?;
+        (Opened::Scene(Box::new(Engine::new(import.scene, seed)?)), import.warnings)
+    };
+    Ok(Arrival { name: name_of(path), opened, warnings: warnings.iter().map(ToString::to_string).collect() })
+}
