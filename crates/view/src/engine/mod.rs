@@ -1,5 +1,6 @@
 //! What the render thread works with: a scene, its renderers, and how they are to be shown.
 
+mod dress;
 mod frame;
 mod half;
 mod surround;
@@ -19,7 +20,7 @@ pub use self::half::{Half, Haste};
 use self::surround::WHITE;
 use crate::{
     ViewError,
-    protocol::{Layer, Method, Shown, View, Wish, crop},
+    protocol::{Layer, Method, Shown, Surroundings, View, Wish, crop},
 };
 
 /// The camera rests when no input came for this long.
@@ -51,10 +52,12 @@ pub struct Seed {
 
 /// The renderers of one scene.
 pub struct Engine {
-    /// The scene, with the environment as it is now.
+    /// The scene, with the environment and the materials as they are now.
     pub scene: Arc<Scene>,
     /// The environment as it was loaded, or dropped; where there was none, what stands for it.
-    surroundings: Environment,
+    base: Environment,
+    /// How much of it there is, and its turn.
+    pub surroundings: Surroundings,
     /// Images of the scene as it was loaded.
     n_images: usize,
     /// The one looked through.
@@ -97,12 +100,11 @@ impl Engine {
         let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds(), 1.0));
         let settings = RenderSettings { aovs: aovs(shown.layer), crop: None, ..settings };
         let scene = Arc::new(scene);
-        let mut left = Half::new(Renderer::new(device, &scene, &camera, settings.clone())?);
-        left.renderer.stop_when(Arc::clone(&haste.stop));
-        thread::Builder::new().name("compile".into()).spawn(left.renderer.compile_ahead())?;
+        let left = half_of(&device, &scene, &camera, &settings, &haste)?;
         let hold = Hold::new(hold_limits(&settings, hold_time));
         Ok(Self {
-            surroundings: scene.environment.unwrap_or(WHITE),
+            base: scene.environment.unwrap_or(WHITE),
+            surroundings: Surroundings::of(&scene),
             n_images: scene.images.len(),
             scene,
             camera,
@@ -246,6 +248,16 @@ impl Engine {
         self.restart()
     }
 
+    /// Puts the second integrator beside a first that renders another scene.
+    fn split_again(&mut self) -> Result<(), ViewError> {
+        let right = self.right.take().map(|half| half.renderer.settings().integrator);
+        match right {
+            // Less than its K may be under way while the camera moves.
+            Some(integrator) => self.split(Some(Method { k: self.right_k, ..Method::of(&integrator) })),
+            None => Ok(()),
+        }
+    }
+
     /// Forgets all samples.
     ///
     /// # Errors
@@ -314,6 +326,20 @@ impl Engine {
         }
         if self.right.is_some() { self.restart() } else { Ok(()) }
     }
+}
+
+/// A renderer of a scene whose passes can be ended; its other kernels are compiled beside.
+fn half_of(
+    device: &Arc<dyn Device>,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &RenderSettings,
+    haste: &Haste,
+) -> Result<Half, ViewError> {
+    let mut renderer = Renderer::new(Arc::clone(device), scene, camera, settings.clone())?;
+    renderer.stop_when(Arc::clone(&haste.stop));
+    thread::Builder::new().name("compile".into()).spawn(renderer.compile_ahead())?;
+    Ok(Half::new(renderer))
 }
 
 /// What a layer is made of.

@@ -6,10 +6,7 @@ use glam::{Mat3, Vec3};
 use midway_scene::Environment;
 
 use super::Engine;
-use crate::{
-    ViewError,
-    protocol::{Method, Surroundings},
-};
+use crate::{ViewError, protocol::Surroundings};
 
 /// Stands for the environment of a scene that has none.
 pub(super) const WHITE: Environment =
@@ -31,7 +28,7 @@ impl Engine {
         }
         let before = (self.scene.environment, self.scene.images.clone());
         let scene = Arc::make_mut(&mut self.scene);
-        let mut base = self.surroundings;
+        let mut base = self.base;
         if let Some(image) = image {
             scene.images.truncate(self.n_images); // one that was dropped before
             scene.images.push(image);
@@ -47,11 +44,8 @@ impl Engine {
             (scene.environment, scene.images) = before;
             return Err(error.into());
         }
-        self.surroundings = base;
+        (self.base, self.surroundings) = (base, surroundings);
         self.left.begin();
-        match self.right.take() {
-            Some(half) => self.split(Some(Method::of(&half.renderer.settings().integrator))),
-            None => Ok(()),
-        }
+        self.split_again()
     }
 }
