@@ -95,6 +95,32 @@ const distance = (a, b) => {
   return a.red.reduce((sum, value, i) => sum + Math.abs(value - b.red[i]), 0) / a.red.length;
 };
 
+/** A scene of a triangle that glows red, or blue in a variant, as files to be uploaded. */
+function withVariants() {
+  const positions = Buffer.from(new Float32Array([-9, -9, -2, 9, -9, -2, 0, 9, -2]).buffer);
+  const document = {
+    asset: { version: "2.0" },
+    extensionsUsed: ["KHR_materials_variants"],
+    extensions: { KHR_materials_variants: { variants: [{ name: "Red" }, { name: "Blue" }] } },
+    scenes: [{ nodes: [0, 1] }],
+    nodes: [{ mesh: 0 }, { camera: 0 }],
+    cameras: [{ type: "perspective", perspective: { yfov: 0.5, znear: 0.1 } }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, material: 0, extensions: { KHR_materials_variants: {
+      mappings: [{ material: 0, variants: [0] }, { material: 1, variants: [1] }] } } }] }],
+    materials: [{ emissiveFactor: [0.5, 0, 0] }, { emissiveFactor: [0, 0, 0.5] }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3" }],
+    bufferViews: [{ buffer: 0, byteLength: positions.length }],
+    buffers: [{ byteLength: positions.length, uri: "lamps.bin" }],
+  };
+  const file = (name, buffer) => ({ name, mimeType: "application/octet-stream", buffer });
+  return [file("lamps.gltf", Buffer.from(JSON.stringify(document))), file("lamps.bin", positions)];
+}
+
+const check = async (name) => {
+  const { violations } = await page.evaluate(() => window.axe.run());
+  assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target).join(" ")}`), [], name);
+};
+
 try {
   await step("the page shows a picture that is not black", async () => {
     await page.goto(`http://127.0.0.1:${PORT}/`);
@@ -264,6 +290,32 @@ try {
     await shot("lamp");
   });
 
+  await step("a variant of materials is chosen by keys", async () => {
+    const hidden = () => page.evaluate(() => document.getElementById("materials").hidden);
+    assert.ok(await hidden(), "a scene without variants offers some");
+    await page.setInputFiles("#file", withVariants());
+    await wait(() => document.getElementById("scene-name").textContent.includes("lamps.gltf"));
+    assert.ok(!await hidden(), "a scene with variants offers none");
+    const names = await page.$$eval("#variant option", (options) => options.map((one) => one.textContent));
+    assert.deepEqual(names, ["default", "Red", "Blue"]);
+    const shows = (wanted) => wait((channel) => {
+      const canvas = document.getElementById("picture");
+      const [red, , blue] = canvas.getContext("2d").getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data;
+      return channel === "red" ? red > 2 * blue : blue > 2 * red;
+    }, wanted);
+    await shows("red");
+    await page.focus("#variant");
+    await page.keyboard.press("End");
+    await shows("blue");
+    assert.equal(await page.inputValue("#variant"), "1");
+    await shot("variants");
+    await page.keyboard.press("Home");
+    await shows("red");
+    assert.equal(await page.inputValue("#variant"), "");
+    await page.evaluate(axe);
+    await check("variants");
+  });
+
   await step("it comes back when the server does", async () => {
     expectOffline = true;
     await kill();
@@ -274,11 +326,6 @@ try {
     await wait(() => Number(document.getElementById("f-samples").textContent.replace(/,/g, "")) > 2);
     expectOffline = false;
   });
-
-  const check = async (name) => {
-    const { violations } = await page.evaluate(() => window.axe.run());
-    assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target).join(" ")}`), [], name);
-  };
 
   await step("axe finds nothing, dark, light, small, and in the help", async () => {
     await page.evaluate(axe);

@@ -78,7 +78,7 @@ fn to_json(loaded: &LoadedScene, memory: &Memory) -> Value {
         "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
         "images": counts.images,
         "memory": memory.to_json(),
-        "variants": loaded.variants,
+        "variants": loaded.variants.names(),
         "variant": loaded.variant,
         "materials": Value::from_iter(scene.materials.iter().map(material_json)),
         "cameras": Value::from_iter(scene.cameras.iter().map(camera_json)),
@@ -147,7 +147,7 @@ pub fn to_lines(loaded: &LoadedScene) -> Vec<String> {
 
 /// Nothing where the file has none.
 fn variant_lines(loaded: &LoadedScene) -> Vec<String> {
-    let LoadedScene { variants, variant, .. } = loaded;
+    let (variants, variant) = (loaded.variants.names(), &loaded.variant);
     let taken = match variant {
         Some(name) => format!("{name} is taken"),
         None => "the default materials are taken, --variant NAME takes one".to_owned(),

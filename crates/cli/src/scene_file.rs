@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use midway_import::{ImportError, NO_LIGHT, Warning, WarningKind};
+use midway_import::{ImportError, NO_LIGHT, Variants, Warning, WarningKind};
 use midway_scene::Scene;
 
 use crate::{
@@ -15,9 +15,9 @@ use crate::{
 pub struct LoadedScene {
     /// Valid by [`Scene::validate`], as the importer promises.
     pub scene: Scene,
-    /// Names of the file's variants of materials.
-    pub variants: Vec<String>,
-    /// The one that was taken.
+    /// The file's variants of materials.
+    pub variants: Variants,
+    /// The name of the one that was taken.
     pub variant: Option<String>,
     /// What the file has and Midway does not use, once each.
     warnings: Vec<String>,

@@ -4,6 +4,7 @@ use std::{path::Path, time::Duration};
 
 use midway_device::{OpenOptions, open_device};
 use midway_film::ExrFile;
+use midway_import::Variants;
 use midway_render::RenderSettings;
 use midway_scene::{Camera, Scene};
 use midway_view::{Address, Server, Session, Start, ViewError};
@@ -25,13 +26,15 @@ const DEFAULT_HEIGHT: f32 = 512.0;
 /// With the [`Status`] of what went wrong.
 pub fn run(args: &ViewArgs) -> Outcome<Status> {
     let interrupt = Interrupt::install()?;
-    let (mut scene, name) = match &args.scene {
-        Some(path) => (
-            load(path, args.variant.as_deref())?,
-            path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        ),
-        None => (Scene::default(), "no scene".to_owned()),
+    let (mut scene, variants, name) = match &args.scene {
+        Some(path) => {
+            let (scene, variants) = load(path, args.variant.as_deref())?;
+            (scene, variants, path.file_name().unwrap_or_default().to_string_lossy().into_owned())
+        }
+        None => (Scene::default(), Variants::default(), "no scene".to_owned()),
     };
+    let taken = |name: &String| Some(name) == args.variant.as_ref();
+    let variant = variants.names().iter().position(taken).map(|index| index as u32);
     scene_file::group_lights(&mut scene, args.light_groups.as_ref())?;
     let reference = match &args.reference {
         Some(path) => Some(ExrFile::read(path)?.image()?),
@@ -48,8 +51,8 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
         ..RenderSettings::default()
     };
     let hold = Duration::from_millis(args.hold.into());
-    let session =
-        Session::start(Start { device, scene, name, settings, hold, reference }).map_err(failure)?;
+    let session = Session::start(Start { device, scene, name, variants, variant, settings, hold, reference })
+        .map_err(failure)?;
     let address = Address { ip: args.bind, port: args.port };
     let server = Server::listen(address, session, false, console::note).map_err(failure)?;
     console::output(&format!("view: {}", server.url()))?;
@@ -60,10 +63,10 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
     Ok(Status::Success)
 }
 
-fn load(path: &Path, variant: Option<&str>) -> Outcome<Scene> {
+fn load(path: &Path, variant: Option<&str>) -> Outcome<(Scene, Variants)> {
     let loaded = scene_file::load_variant(path, variant)?;
     scene_file::print_warnings(&loaded.warnings());
-    Ok(loaded.scene)
+    Ok((loaded.scene, loaded.variants))
 }
 
 /// As `midway render` has it.

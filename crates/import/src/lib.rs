@@ -25,6 +25,7 @@ mod obj;
 mod pbrt;
 mod ply;
 mod spectrum;
+mod variants;
 mod warning;
 
 use std::path::Path;
@@ -36,6 +37,7 @@ use warning::Warnings;
 
 pub use environment::load_environment;
 pub use error::{ImportError, Place};
+pub use variants::Variants;
 pub use warning::{Warning, WarningKind};
 
 /// The formats read, for messages and help.
@@ -51,9 +53,8 @@ pub struct Import {
     /// Valid: [`Scene::validate`] has passed. Has at least one camera, framed on the bounds where
     /// the file has none.
     pub scene: Scene,
-    /// The names of the file's variants of materials (`KHR_materials_variants`), of which
-    /// [`load_variant`] takes one.
-    pub variants: Vec<String>,
+    /// The file's variants of materials (`KHR_materials_variants`), of which [`load_variant`] takes one.
+    pub variants: Variants,
     /// What the file says and the scene does not.
     pub warnings: Vec<Warning>,
 }
@@ -90,13 +91,13 @@ fn load_complete(
     path: &Path,
     variant: Option<&str>,
     warnings: &mut Warnings,
-) -> Result<(Scene, Vec<String>), ImportError> {
+) -> Result<(Scene, Variants), ImportError> {
     let (mut scene, variants) = if is_gltf(path)? {
         gltf::load(path, variant, warnings)?
     } else if let Some(name) = variant {
         return Err(ImportError::unknown_variant(path, name, Vec::new()));
     } else {
-        (read(path, warnings)?, Vec::new())
+        (read(path, warnings)?, Variants::default())
     };
     complete(path, &mut scene, warnings)?;
     Ok((scene, variants))

@@ -46,13 +46,46 @@ fn each_variant_has_its_materials_and_leaves_the_others_their_own() {
     assert_eq!(materials(&document, Some("Night")), [2, 2, 0]);
 }
 
+/// By whatever variant the scene was read, each is as if it had been read by that one.
+#[test]
+fn each_can_be_taken_later_on() {
+    let mut document = document();
+    // A primitive without a material of its own, another that maps a variant twice, and copies of all.
+    document["meshes"][0]["primitives"][1].as_object_mut().unwrap().remove("material");
+    let twice = json!([{"material": 2, "variants": [0, 0]}, {"material": 1, "variants": [0]}]);
+    document["meshes"][0]["primitives"][2]["extensions"]["KHR_materials_variants"]["mappings"] = twice;
+    document["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "weights": []}]);
+    document["scenes"] = json!([{"nodes": [0, 1]}]);
+    let all = [(None, None), (Some(0), Some("Day")), (Some(1), Some("Night"))];
+    for (_, read) in all {
+        let variants = import(&document, read).unwrap().variants;
+        for (index, name) in all {
+            assert_eq!(variants.materials(index).unwrap(), materials(&document, name), "{read:?}, {name:?}");
+        }
+        assert!(variants.materials(Some(2)).is_none());
+    }
+}
+
+#[test]
+fn a_damaged_mapping_leaves_a_primitive_its_own() {
+    let mapping = "/meshes/0/primitives/1/extensions/KHR_materials_variants/mappings/0";
+    for (key, bad) in
+        [("material", json!(3)), ("material", json!("x")), ("variants", json!([2])), ("variants", json!(1))]
+    {
+        let mut document = document();
+        document.pointer_mut(mapping).unwrap()[key] = bad;
+        let variants = import(&document, None).unwrap().variants;
+        assert_eq!(variants.materials(Some(1)).unwrap(), [2, 0, 0]);
+    }
+}
+
 #[test]
 fn variants_are_listed_without_a_warning_even_where_the_file_requires_them() {
     let mut document = document();
     document["extensionsRequired"] = json!(["KHR_materials_variants"]);
     for variant in [None, Some("Night")] {
         let import = import(&document, variant).unwrap();
-        assert_eq!(import.variants, ["Day", "Night"]);
+        assert_eq!(import.variants.names(), ["Day", "Night"]);
         assert_eq!(import.warnings, []);
     }
 }
@@ -76,7 +109,8 @@ fn other_files_and_formats_have_none() {
     let folder = Folder::new();
     let path = folder.write("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     assert!(matches!(load_variant(&path, Some("Day")), Err(ImportError::UnknownVariant { .. })));
-    assert!(load(&path).unwrap().variants.is_empty());
+    let variants = load(&path).unwrap().variants;
+    assert!(variants.names().is_empty() && variants.materials(None).is_none());
 }
 
 /// By default nothing depends on it; a variant that is taken does.

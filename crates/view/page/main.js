@@ -44,8 +44,12 @@ const link = new Link({
     element("cameras").replaceChildren(...scene.cameras.map((one, i) => new Option(one.name || `camera ${i}`, i)));
     put("fov", Math.round(camera.fov ?? 40));
     element("fov").disabled = camera.fov == null;
-    put("env-strength", scene.environment ? 1 : 0);
-    put("env-rotation", 0);
+    put("env-strength", scene.environment.strength);
+    put("env-rotation", scene.environment.rotation);
+    element("materials").hidden = !scene.variants.length;
+    const variants = scene.variants.map((name, i) => new Option(name || `variant ${i}`, i));
+    element("variant").replaceChildren(new Option("default", ""), ...variants);
+    element("variant").value = scene.variant ?? "";
     lights.show(scene.groups);
     listSaved();
     showOutputs();
@@ -161,6 +165,10 @@ on("hold", "input", () => link.send({ type: "render", hold_ms: number("hold") })
 on("exposure", "input", sendShown);
 on("tone", "change", sendShown);
 on("layer", "change", sendShown);
+on("variant", "change", () => {
+  const index = element("variant").value;
+  link.send({ type: "variant", index: index === "" ? null : Number(index) });
+});
 on("env-strength", "change", sendEnvironment);
 on("env-rotation", "change", sendEnvironment);
 on("fov", "input", () => { camera.fov = number("fov"); look(); });

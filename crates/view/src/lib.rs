@@ -11,6 +11,7 @@ mod engine;
 mod frame;
 mod guard;
 mod layers;
+mod measured;
 mod opening;
 mod pick;
 mod protocol;
@@ -18,6 +19,7 @@ mod publish;
 mod save;
 mod server;
 mod session;
+mod told;
 mod uploads;
 
 use std::{io, net::SocketAddr};

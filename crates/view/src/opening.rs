@@ -6,6 +6,7 @@ use std::{
     thread,
 };
 
+use midway_import::Variants;
 use midway_scene::Image;
 
 use crate::{
@@ -15,8 +16,8 @@ use crate::{
 
 /// What a file turned out to be.
 pub enum Opened {
-    /// A scene, on the device.
-    Scene(Box<Engine>),
+    /// A scene, on the device, and its file's variants of materials.
+    Scene(Box<Engine>, Variants),
     /// An environment.
     Environment(Image),
 }
@@ -93,7 +94,8 @@ fn open(path: &Path, seed: Seed) -> Outcome {
         (Opened::Environment(image), warnings)
     } else {
         let import = midway_import::load(path).map_err(refused)?;
-        (Opened::Scene(Box::new(Engine::new(import.scene, seed)?)), import.warnings)
+        let engine = Box::new(Engine::new(import.scene, seed)?);
+        (Opened::Scene(engine, import.variants), import.warnings)
     };
     Ok(Arrival { name: name_of(path), opened, warnings: warnings.iter().map(ToString::to_string).collect() })
 }

@@ -6,6 +6,7 @@
 
 use midway_film::ToneMap;
 use midway_render::{Crop, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, Mis};
+use midway_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Bytes of a browser's message at most.
@@ -59,6 +60,11 @@ pub enum Request {
     },
     /// The environment.
     Environment(Surroundings),
+    /// Other materials.
+    Variant {
+        /// The place of one of the scene's variants; none: the materials that the file has by default.
+        index: Option<u32>,
+    },
     /// What each group of lights is multiplied by as it is shown; none: they are not kept apart.
     Mix {
         /// For each group of the scene a factor a channel, at least 0.
@@ -74,7 +80,8 @@ impl Request {
             | Self::Split { .. }
             | Self::Region { .. }
             | Self::Restart
-            | Self::Environment(_) => true,
+            | Self::Environment(_)
+            | Self::Variant { .. } => true,
             Self::Render(wish) => wish.size.is_some() || wish.max_path_length.is_some(),
             Self::Decoded
             | Self::Take
@@ -291,6 +298,13 @@ pub struct Surroundings {
     pub rotation: f32,
 }
 
+impl Surroundings {
+    /// Of a scene as it is loaded.
+    pub fn of(scene: &Scene) -> Self {
+        Self { strength: if scene.environment.is_some() { 1.0 } else { 0.0 }, rotation: 0.0 }
+    }
+}
+
 /// What the server says.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "kebab-case")]
@@ -360,6 +374,8 @@ mod tests {
             r#"{"type":"pick","x":0.5}"#,
             r#"{"type":"open","batch":-1,"path":"a.glb"}"#,
             r#"{"type":"mix","factors":[[1,2]]}"#,
+            r#"{"type":"variant","index":-1}"#,
+            r#"{"type":"variant","index":"Walnut"}"#,
         ] {
             assert!(parse(text).is_err(), "{text}");
         }

@@ -15,8 +15,9 @@ use tokio::sync::watch;
 use crate::{
     ViewError,
     frame::{Encoding, Pixels},
-    protocol::{Method, Shown, ToneMapName},
-    session::{Command, Session, figures, scene_message},
+    protocol::{Method, Shown, Surroundings, ToneMapName},
+    session::{Command, Session},
+    told::{figures, scene_message},
 };
 
 /// Pictures are sent no more often.
@@ -40,7 +41,7 @@ impl Publisher {
     pub fn start(scene: &Scene, name: &str, camera: &Camera, display: Display) -> Result<Self, ViewError> {
         let (encoding, frames) = Encoding::start()?;
         let (status, status_receiver) = watch::channel(Arc::from("{}"));
-        let told = scene_message(scene, name, camera).to_string();
+        let told = scene_message(scene, name, camera, (&[], None), Surroundings::of(scene)).to_string();
         let (session, commands) = Session::of(frames, status_receiver, watch::channel(Arc::from(told)).1);
         let tone_map = match display.tone_map {
             ToneMap::Linear => ToneMapName::Linear,

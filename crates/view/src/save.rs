@@ -16,13 +16,14 @@ pub enum Format {
     Png,
 }
 
-/// The samples so far as a file's bytes, with a header that says how they came about.
+/// The samples so far as a file's bytes, with a header that says how they came about: of which scene, and of
+/// which variant of its materials where one is taken.
 ///
 /// # Errors
 /// If there are none yet, the device fails or the temporary file cannot be written.
 pub fn bytes(
     engine: &Engine,
-    name: &str,
+    names: (&str, Option<&str>),
     device: &Arc<dyn Device>,
     format: Format,
 ) -> Result<Vec<u8>, ViewError> {
@@ -30,7 +31,7 @@ pub fn bytes(
         return Err(ViewError::Refused("there are no samples yet".into()));
     }
     let image = engine.image()?;
-    let header = header(engine, name, device);
+    let header = header(engine, names, device);
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("picture");
     match format {
@@ -52,7 +53,7 @@ pub fn bytes(
     Ok(std::fs::read(&path)?)
 }
 
-fn header(engine: &Engine, name: &str, device: &Arc<dyn Device>) -> Metadata {
+fn header(engine: &Engine, (name, variant): (&str, Option<&str>), device: &Arc<dyn Device>) -> Metadata {
     let renderer = &engine.left.renderer;
     let (settings, info) = (renderer.settings(), device.info());
     let whole = |n: u64| i64::try_from(n).unwrap_or(i64::MAX);
@@ -60,6 +61,9 @@ fn header(engine: &Engine, name: &str, device: &Arc<dyn Device>) -> Metadata {
     let mut header = Metadata::new();
     header.set("scene", name);
     header.set("scene_hash", engine.scene.hash());
+    if let Some(variant) = variant {
+        header.set("variant", variant);
+    }
     header.set("seed", settings.seed);
     header.set("device", format!("{} ({})", info.name, info.backend));
     header.set("width", settings.width);

@@ -1,7 +1,6 @@
 //! The thread that renders: requests in, frames and figures out. It never waits for a browser.
 
 use std::{
-    collections::VecDeque,
     path::PathBuf,
     sync::{
         Arc,
@@ -14,20 +13,22 @@ use std::{
 
 use midway_device::Device;
 use midway_film::Image;
-use midway_render::{RenderSettings, RenderStats, Renderer};
-use midway_scene::{Camera, Scene};
+use midway_import::Variants;
+use midway_render::RenderSettings;
+use midway_scene::Scene;
 use serde_json::{Value, json};
 use tokio::sync::{broadcast, oneshot, watch};
 
 use crate::{
-    ViewError, black,
+    ViewError,
     engine::{Engine, Half, Haste, Seed},
     frame::{Encoding, Frame},
-    layers,
+    measured::Measured,
     opening::{Arrival, Opened, Opening, name_of},
     pick,
     protocol::{Method, Request, Shown, Surroundings},
     save::{self, Format},
+    told::{figures, scene_message},
 };
 
 /// Requests that may wait for the render thread.
@@ -41,11 +42,6 @@ const SHOW_EVERY: Duration = Duration::from_millis(150);
 const SHOW_LATE: Duration = Duration::from_millis(500);
 /// After this much rendering pictures change slowly.
 const LATE: f64 = 5.0;
-/// The first measurement of noise, in samples; the next ones have this many times as many.
-const MEASURE_FIRST: u64 = 4;
-const MEASURE_GROWTH: f64 = 1.2;
-/// Points of the plot at most; then every other one is dropped.
-const MAX_POINTS: usize = 160;
 
 /// What the render thread is told.
 pub enum Command {
@@ -82,6 +78,10 @@ pub struct Start {
     pub scene: Scene,
     /// Its name.
     pub name: String,
+    /// Its file's variants of materials.
+    pub variants: Variants,
+    /// The place of the one that it has now.
+    pub variant: Option<u32>,
     /// With what.
     pub settings: RenderSettings,
     /// Time of a frame in motion.
@@ -100,7 +100,7 @@ impl Session {
         let (status, status_receiver) = watch::channel(Arc::from("{}"));
         let (scene, scene_receiver) = watch::channel(Arc::from("{}"));
         let (session, inbox) = Self::of(frames, status_receiver, scene_receiver);
-        let Start { device, scene: loaded, name, settings, hold, reference } = start;
+        let Start { device, scene: loaded, name, variants, variant, settings, hold, reference } = start;
         let haste = session.haste.clone();
         let shown = Shown::default();
         let seed = Seed { device: Arc::clone(&device), settings, shown, hold_time: hold, haste };
@@ -112,6 +112,8 @@ impl Session {
             status,
             scene,
             name,
+            variants,
+            variant,
             events: session.events.clone(),
             watchers: Arc::clone(&session.watchers),
             reference,
@@ -153,33 +155,6 @@ impl Session {
     }
 }
 
-/// The noise, and the plot.
-#[derive(Default)]
-struct Measured {
-    points: Vec<[f64; 2]>,
-    relmse: Option<f64>,
-    next: u64,
-    black: Option<String>,
-    samples: u64,
-    /// Images after some of the samples, each after twice as many as the one before: the last three.
-    halves: VecDeque<(Image, u64)>,
-}
-
-impl Measured {
-    /// What an image of `n` samples is compared with for its error: one that holds at most two
-    /// thirds of them, where there is one about half.
-    fn half_of(&mut self, image: &Image, n: u64) -> Option<&(Image, u64)> {
-        if self.halves.back().is_none_or(|(last, at)| n >= 2 * at || last.size() != image.size()) {
-            self.halves.push_back((image.clone(), n));
-            if self.halves.len() > 3 {
-                self.halves.pop_front();
-            }
-        }
-        let fits = |(half, at): &&(Image, u64)| 3 * at <= 2 * n && half.size() == image.size();
-        self.halves.iter().rev().find(fits)
-    }
-}
-
 struct Worker {
     engine: Engine,
     device: Arc<dyn Device>,
@@ -187,6 +162,8 @@ struct Worker {
     status: watch::Sender<Arc<str>>,
     scene: watch::Sender<Arc<str>>,
     name: String,
+    variants: Variants,
+    variant: Option<u32>,
     events: broadcast::Sender<Arc<str>>,
     watchers: Arc<AtomicUsize>,
     reference: Option<Image>,
@@ -254,7 +231,9 @@ impl Worker {
             Command::Open(path) => self.open(path),
             Command::Save(format, answer) => {
                 self.engine.end_pass()?;
-                let saved = save::bytes(&self.engine, &self.name, &self.device, format);
+                let variant = self.variant.and_then(|index| self.variants.names().get(index as usize));
+                let names = (&*self.name, variant.map(String::as_str));
+                let saved = save::bytes(&self.engine, names, &self.device, format);
                 // The browser may have gone.
                 let _ = answer.send(saved.map_err(|error| error.to_string()));
                 Ok(())
@@ -273,6 +252,7 @@ impl Worker {
             Request::Region { window } => engine.region(window)?,
             Request::Restart => engine.restart()?,
             Request::Environment(surroundings) => engine.surround(surroundings, None)?,
+            Request::Variant { index } => self.take_variant(index)?,
             Request::Pause { paused } => {
                 self.paused = paused;
                 return Ok(());
@@ -290,6 +270,19 @@ impl Worker {
             self.measured = Measured::default();
         }
         Ok(())
+    }
+
+    fn take_variant(&mut self, index: Option<u32>) -> Result<(), ViewError> {
+        let materials = self.variants.materials(index);
+        let none = || ViewError::Refused("the scene has no such variant".into());
+        let taken =
+            materials.ok_or_else(none).and_then(|materials| self.engine.dress(&self.device, &materials));
+        if taken.is_ok() {
+            self.variant = index;
+        }
+        // Groups of lights may be others; what was refused is no longer shown as taken.
+        self.tell_scene();
+        taken
     }
 
     /// Begins to open a scene or an environment; the picture goes on meanwhile.
@@ -312,10 +305,11 @@ impl Worker {
             Opened::Environment(image) => {
                 self.engine.surround(Surroundings { strength: 1.0, rotation: 0.0 }, Some(image))?;
             }
-            Opened::Scene(mut engine) => {
+            Opened::Scene(mut engine, variants) => {
                 engine.succeed(&self.engine)?;
                 self.engine = *engine;
                 (self.name, self.reference) = (arrival.name, None);
+                (self.variants, self.variant) = (variants, None);
             }
         }
         self.warn(&arrival.warnings);
@@ -347,48 +341,7 @@ impl Worker {
             self.shown_at = Instant::now();
             self.encoding.show(pixels);
         }
-        self.measure()
-    }
-
-    /// The noise of a resting picture, now and then.
-    fn measure(&mut self) -> Result<(), ViewError> {
-        let left = &self.engine.left;
-        let samples = left.renderer.samples();
-        if samples < self.measured.samples {
-            self.measured = Measured::default();
-        }
-        let unsettled = self.engine.is_moving() || left.renderer.pass_done().is_some();
-        if unsettled || samples < self.measured.next.max(MEASURE_FIRST) {
-            return Ok(());
-        }
-        let image = self.engine.image()?;
-        let relmse = match self.reference.as_ref().filter(|r| r.size() == image.size()) {
-            Some(reference) => {
-                midway_film::rmse_and_relmse(&image, reference).map_or(f64::NAN, |(_, relmse)| relmse)
-            }
-            None => match self.measured.half_of(&image, samples) {
-                Some((half, n)) => layers::expected_relmse((&image, samples), (half, *n)),
-                None => f64::NAN,
-            },
-        };
-        let measured = &mut self.measured;
-        measured.next = ((samples as f64 * MEASURE_GROWTH) as u64).max(samples + 1);
-        measured.samples = samples;
-        if relmse.is_finite() {
-            measured.relmse = Some(relmse);
-            if relmse > 0.0 {
-                measured.points.push([left.seconds, relmse]);
-            }
-        }
-        if measured.points.len() > MAX_POINTS {
-            let mut place = 0;
-            measured.points.retain(|_| {
-                place += 1;
-                place % 2 == 0
-            });
-        }
-        measured.black = black::reason(&self.engine, &image)?;
-        Ok(())
+        self.measured.measure(&self.engine, self.reference.as_ref())
     }
 
     fn event(&self, event: &Value) {
@@ -396,7 +349,9 @@ impl Worker {
     }
 
     fn tell_scene(&self) {
-        let told = scene_message(&self.engine.scene, &self.name, &self.engine.camera);
+        let Engine { scene, camera, surroundings, .. } = &self.engine;
+        let told =
+            scene_message(scene, &self.name, camera, (self.variants.names(), self.variant), *surroundings);
         self.scene.send_replace(told.to_string().into());
     }
 
@@ -425,43 +380,4 @@ impl Worker {
             "plot": self.measured.points, "black": self.measured.black, "failure": self.failure,
         })
     }
-}
-
-/// What browsers are told of a renderer.
-pub fn figures(renderer: &Renderer, stats: &RenderStats, seconds: f64, rays: u64) -> Value {
-    let settings = renderer.settings();
-    json!({
-        "integrator": settings.integrator.describe(), "method": Method::of(&settings.integrator),
-        "samples": renderer.samples(), "seconds": seconds, "rays": rays,
-        "mrays": rays as f64 / seconds.max(1e-9) / 1e6,
-        "rejected": stats.rejected, "overflowed": stats.overflowed,
-        "size": [settings.width, settings.height], "bias": settings.bias(),
-        "memory": renderer.plan().total(),
-    })
-}
-
-/// What browsers are told of a scene.
-pub fn scene_message(scene: &Scene, name: &str, camera: &Camera) -> Value {
-    let (bounds, counts) = (scene.bounds(), scene.counts());
-    let groups = scene.light_groups().names;
-    let cameras: Vec<Value> = scene.cameras.iter().map(|camera| view_of(scene, camera)).collect();
-    json!({
-        "type": "scene", "name": name, "triangles": counts.triangles,
-        "lights": counts.emissive_triangles + scene.lights.len(),
-        "cameras": cameras, "view": view_of(scene, camera),
-        "bounds": [bounds.min.to_array(), bounds.max.to_array()],
-        "environment": scene.environment.is_some(), "groups": Value::from_iter(groups.iter().map(|name| &**name)),
-    })
-}
-
-/// A camera as browsers know it.
-fn view_of(scene: &Scene, camera: &Camera) -> Value {
-    let eye = camera.position();
-    let direction = |axis: glam::Vec3| camera.world_from_camera.transform_vector3(axis).normalize();
-    let distance = eye.distance(pick::middle(scene, camera));
-    json!({
-        "name": camera.name, "eye": eye.to_array(), "up": direction(glam::Vec3::Y).to_array(),
-        "target": (eye + direction(glam::Vec3::NEG_Z) * distance).to_array(),
-        "fov": camera.yfov().map(f32::to_degrees), "lens": camera.lens_radius, "focus": camera.focus_distance,
-    })
 }

@@ -33,11 +33,26 @@ struct Running {
 
 impl Running {
     fn start(ip: Option<IpAddr>, read_only: bool) -> Self {
+        Self::of(&own_scene("cornell-box.gltf"), None, ip, read_only)
+    }
+
+    fn of(path: &Path, variant: Option<u32>, ip: Option<IpAddr>, read_only: bool) -> Self {
         let settings = RenderSettings { width: SIZE, height: SIZE, ..RenderSettings::default() };
+        let mut import = midway_import::load(path).expect("loads");
+        if let Some(materials) = variant.and_then(|variant| import.variants.materials(Some(variant))) {
+            import
+                .scene
+                .meshes
+                .iter_mut()
+                .zip(materials)
+                .for_each(|(mesh, material)| mesh.material = material);
+        }
         let session = Session::start(Start {
             device: Arc::new(CpuDevice::new(Some(1)).expect("starts")),
-            scene: midway_import::load(&own_scene("cornell-box.gltf")).expect("loads").scene,
-            name: "cornell-box.gltf".into(),
+            scene: import.scene,
+            name: path.file_name().expect("has a name").to_string_lossy().into_owned(),
+            variants: import.variants,
+            variant,
             settings,
             hold: Duration::from_millis(33),
             reference: None,
@@ -232,6 +247,7 @@ async fn frames_show_what_was_asked_and_figures_say_so() {
     let mut browser = server.browser().await;
     let scene = browser.told("scene").await;
     assert_eq!(scene["name"], "cornell-box.gltf");
+    assert_eq!(scene["variants"], json!([]));
     browser.ask(look(7)).await;
     // On a busy machine the first frames are of 3 x 3 pixels and one sample, which find hardly any light.
     let picture = loop {
@@ -280,6 +296,8 @@ async fn bad_messages_are_refused_and_nothing_breaks() {
         json!({ "type": "render", "method": { "integrator": "bdpt", "join": "k-step", "k": 4_000_000_000u32 } }),
         json!({ "type": "region", "window": [20, 20, 4_294_967_295u32, 9] }),
         json!({ "type": "environment", "strength": -1, "rotation": 0 }),
+        json!({ "type": "variant", "index": 0 }),
+        json!({ "type": "variant", "index": null }),
         json!({ "type": "open", "batch": 1, "path": "../../etc/passwd" }),
     ] {
         browser.ask(request.clone()).await;
@@ -385,6 +403,78 @@ async fn the_picture_goes_on_while_a_scene_is_opened() {
     }
     let triangles = browser.told_that(is_field).await["triangles"].as_u64();
     assert_eq!(triangles, Some(2 * (SIDE as u64 - 1).pow(2)));
+}
+
+/// A large triangle in front of the camera that glows red by default and in its first variant, blue in the
+/// second, and reflects in the third.
+fn glowing(folder: &Path) -> std::path::PathBuf {
+    let positions = [-9.0f32, -9.0, -2.0, 9.0, -9.0, -2.0, 0.0, 9.0, -2.0];
+    let glow = |color: [u8; 3]| json!({ "emissiveFactor": color });
+    let mappings = [0, 1, 2].map(|i| json!({ "material": i, "variants": [i] }));
+    let names = ["Red", "Blue", "Grey"].map(|name| json!({ "name": name }));
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "extensionsUsed": ["KHR_materials_variants"],
+        "extensions": { "KHR_materials_variants": { "variants": names } },
+        "scenes": [{ "nodes": [0, 1] }],
+        "nodes": [{ "mesh": 0 }, { "camera": 0 }],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0,
+            "extensions": { "KHR_materials_variants": { "mappings": mappings } } }] }],
+        "materials": [glow([1, 0, 0]), glow([0, 0, 1]), {}],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "buffers": [{ "byteLength": 36, "uri": "glow.bin" }],
+    });
+    std::fs::write(folder.join("glow.bin"), positions.map(f32::to_le_bytes).as_flattened()).expect("writes");
+    let path = folder.join("glow.gltf");
+    std::fs::write(&path, document.to_string()).expect("writes");
+    path
+}
+
+/// The mean of the picture that the server saves, and the variant that it says it is of.
+fn saved(server: &Running) -> ([f64; 3], Option<String>) {
+    let (status, _, exr) = server.get("/save/exr", "");
+    assert_eq!(status, 200);
+    let file = ExrFile::from_bytes(Path::new("saved.exr"), &exr).expect("an EXR");
+    (file.image().expect("has a picture").mean(), file.metadata.text("variant").map(str::to_owned))
+}
+
+#[tokio::test]
+async fn a_variant_of_materials_is_chosen_and_what_else_was_asked_for_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Running::of(&glowing(folder.path()), Some(0), None, false);
+    let mut browser = server.browser().await;
+    let scene = browser.told("scene").await;
+    assert_eq!((&scene["variants"], &scene["variant"]), (&json!(["Red", "Blue", "Grey"]), &json!(0)));
+    browser.ask(json!({ "type": "environment", "strength": 0.5, "rotation": 30 })).await;
+    browser
+        .ask(json!({ "type": "split", "right": { "integrator": "bdpt", "join": "k-step", "k": 2 } }))
+        .await;
+    browser.ask(json!({ "type": "mix", "factors": [[1, 1, 1], [1, 1, 1]] })).await;
+    for (index, name, mean, groups) in [
+        (Some(1), Some("Blue"), [0.5, 0.5, 1.5], 2),
+        (Some(0), Some("Red"), [1.5, 0.5, 0.5], 2),
+        (Some(2), Some("Grey"), [0.5; 3], 1),
+        (None, None, [1.5, 0.5, 0.5], 2),
+    ] {
+        browser.ask(json!({ "type": "variant", "index": index })).await;
+        let scene = browser.told_that(|m| m["type"] == "scene" && m["variant"] == json!(index)).await;
+        assert_eq!(scene["environment"], json!({ "strength": 0.5, "rotation": 30.0 }));
+        assert_eq!(scene["groups"].as_array().expect("a list").len(), groups);
+        let status =
+            browser.told_that(|m| m["type"] == "status" && m["right"]["samples"].as_u64() > Some(2)).await;
+        assert_eq!((&status["right"]["method"]["k"], &status["failure"]), (&json!(2), &Value::Null));
+        let (seen, variant) = saved(&server);
+        assert_eq!(variant.as_deref(), name);
+        for (seen, expected) in seen.into_iter().zip(mean) {
+            // All three are white: besides what it emits, each reflects what is all around.
+            assert!((seen - expected).abs() <= 0.05, "{name:?}: {seen} for {expected}");
+        }
+    }
+    browser.ask(json!({ "type": "variant", "index": 3 })).await;
+    assert!(browser.told("refused").await["reason"].as_str().expect("said").contains("no such variant"));
+    assert_eq!(server.browser().await.told("scene").await["variant"], Value::Null);
 }
 
 #[tokio::test]

@@ -27,6 +27,10 @@ pub(super) struct Meshes<'a> {
     accessors: Accessors<'a>,
     n_materials: usize,
     variants: &'a Variants,
+    /// What all of them mean for `list`.
+    offered: crate::Variants,
+    /// The place in `offered` of each primitive that was read.
+    offered_at: HashMap<String, u32>,
     uses_default_material: bool,
 }
 
@@ -49,6 +53,8 @@ impl<'a> Meshes<'a> {
             accessors,
             n_materials,
             variants,
+            offered: crate::Variants::new(variants.names().to_vec()),
+            offered_at: HashMap::new(),
             uses_default_material: false,
         })
     }
@@ -58,8 +64,9 @@ impl<'a> Meshes<'a> {
         self.uses_default_material
     }
 
-    pub fn into_list(self) -> Vec<Mesh> {
-        self.list
+    /// The scene's meshes, and what the file's variants mean for them.
+    pub fn into_parts(self) -> (Vec<Mesh>, crate::Variants) {
+        (self.list, self.offered)
     }
 
     /// Triangles of one of the scene's meshes.
@@ -92,6 +99,7 @@ impl<'a> Meshes<'a> {
             if let Some(mesh) = self.primitive(&primitive, definition.name(), &weights, warnings)? {
                 own.push(self.list.len() as u32);
                 self.list.push(mesh);
+                self.offer(&primitive)?;
             }
         }
         self.read.insert(key, own.clone());
@@ -162,6 +170,31 @@ impl<'a> Meshes<'a> {
         warnings.add(WarningKind::Approximation, primitive.pointer(), message);
         self.uses_default_material = true;
         Ok(self.n_materials as u32)
+    }
+
+    /// Notes what each variant would give the mesh that was read last.
+    fn offer(&mut self, primitive: &Json) -> Result<(), ImportError> {
+        if self.variants.names().is_empty() {
+            return Ok(());
+        }
+        let place = match self.offered_at.get(primitive.pointer()) {
+            Some(&place) => place,
+            None => {
+                let own = match primitive.get("material") {
+                    Some(index) => index.index("material", self.n_materials)?,
+                    None => {
+                        self.uses_default_material = true;
+                        self.n_materials
+                    }
+                };
+                let choices = self.variants.choices(primitive, own as u32, self.n_materials);
+                let place = self.offered.add(choices);
+                self.offered_at.insert(primitive.pointer().to_owned(), place);
+                place
+            }
+        };
+        self.offered.add_mesh(place);
+        Ok(())
     }
 
     /// The vertices of each triangle, checked.

@@ -68,12 +68,12 @@ const SUPPORTED_EXTENSIONS: &[&str] = &[
 /// Extensions without which a file is still understood: no image depends on them.
 const HARMLESS_EXTENSIONS: &[&str] = &["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
-/// The scene, in the variant of that name where one is wanted, and the names of all variants.
+/// The scene, in the variant of that name where one is wanted, and all variants.
 pub(crate) fn load(
     path: &Path,
     variant: Option<&str>,
     warnings: &mut Warnings,
-) -> Result<(Scene, Vec<String>), ImportError> {
+) -> Result<(Scene, crate::Variants), ImportError> {
     let bytes = files::read_scene(path, false)?;
     let (text, binary) = container::open(path, &bytes)?;
     let value = json::parse(path, text)?;
@@ -99,9 +99,10 @@ pub(crate) fn load(
     if meshes.uses_default_material() {
         materials.push(default_material());
     }
+    let (meshes, variants) = meshes.into_parts();
     let scene = Scene {
         cameras: placed.cameras,
-        meshes: meshes.into_list(),
+        meshes,
         instances: placed.instances,
         materials,
         images,
@@ -109,7 +110,7 @@ pub(crate) fn load(
         environment: None,
         environment_group: None,
     };
-    Ok((scene, variants.into_names()))
+    Ok((scene, variants))
 }
 
 fn check_version(root: &Json) -> Result<(), ImportError> {

@@ -1,7 +1,7 @@
 //! `KHR_materials_variants`: named choices of materials, of which one may be taken.
 
 use super::json::Json;
-use crate::ImportError;
+use crate::{ImportError, variants::Choices};
 
 pub(super) const EXTENSION: &str = "KHR_materials_variants";
 
@@ -29,8 +29,25 @@ impl Variants {
     }
 
     /// In the file's order.
-    pub fn into_names(self) -> Vec<String> {
-        self.names
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// What each variant gives a primitive, whose material is else `own`; without what is damaged.
+    pub fn choices(&self, primitive: &Json, own: u32, n_materials: usize) -> Choices {
+        let mut changed = Vec::new();
+        let extension = primitive.extension(EXTENSION);
+        for mapping in extension.and_then(|extension| extension.items("mappings").ok()).unwrap_or_default() {
+            let index = mapping.get("material").and_then(|index| index.index("material", n_materials).ok());
+            let Some(material) = index else { continue };
+            let variants = mapping.items("variants").unwrap_or_default();
+            let known = variants.iter().filter_map(|variant| variant.index("variant", self.names.len()).ok());
+            changed.extend(known.map(|variant| (variant as u32, material as u32)));
+        }
+        // Of several for one variant the first counts: the sort is stable.
+        changed.sort_by_key(|&(variant, _)| variant);
+        changed.dedup_by_key(|&mut (variant, _)| variant);
+        Choices { own, changed }
     }
 
     /// The material that the variant taken gives a primitive: of several the first. None where no

@@ -1,0 +1,100 @@
+//! A renderer with its clock, and what ends its passes early.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use midway_render::{RenderStats, Renderer};
+
+use crate::ViewError;
+
+/// A renderer and the time it has spent since its first sample.
+pub struct Half {
+    /// The renderer.
+    pub renderer: Renderer,
+    /// Seconds of passes since the last restart.
+    pub seconds: f64,
+    /// Rays that it had traced then.
+    rays_before: u64,
+    /// What it had counted after the last frame.
+    pub stats: RenderStats,
+}
+
+impl Half {
+    pub(super) fn new(renderer: Renderer) -> Self {
+        Self { renderer, seconds: 0.0, rays_before: 0, stats: RenderStats::default() }
+    }
+
+    /// Rays since the last restart.
+    pub fn rays(&self) -> u64 {
+        self.stats.rays - self.rays_before
+    }
+
+    pub(super) fn begin(&mut self) {
+        self.seconds = 0.0;
+        self.rays_before = self.stats.rays;
+    }
+
+    /// Passes, until `samples` of every pixel were added or `time` is over; a first that is not over
+    /// after `patience` is left. Whether none of them was stopped.
+    pub(super) fn render(
+        &mut self,
+        samples: u64,
+        time: Duration,
+        patience: Duration,
+    ) -> Result<bool, ViewError> {
+        let start = Instant::now();
+        let end = self.renderer.samples() + samples;
+        let mut goes_on = true;
+        loop {
+            let done = self.renderer.samples();
+            let spent = start.elapsed();
+            if done >= end || (spent >= time && done > end - samples) {
+                break;
+            }
+            // As many as fit the rest of the time at the pace so far.
+            let paced =
+                (done - (end - samples)) as f64 * (time.as_secs_f64() / spent.as_secs_f64().max(1e-6) - 1.0);
+            let wanted = (end - done).min((paced as u64).max(1));
+            let patience = if done == end - samples { patience.saturating_sub(spent) } else { Duration::MAX };
+            match self.renderer.step_within(wanted, patience)? {
+                None => break,
+                Some(0) => {
+                    self.begin();
+                    goes_on = false;
+                    break;
+                }
+                Some(_) => {}
+            }
+        }
+        self.seconds += start.elapsed().as_secs_f64();
+        self.stats = self.renderer.stats()?;
+        Ok(goes_on)
+    }
+}
+
+/// Tells a pass that refines that something better is to be done.
+#[derive(Clone, Default)]
+pub struct Haste {
+    pub(super) stop: Arc<AtomicBool>,
+    /// Frames in motion are short, and are shown whatever comes.
+    refines: Arc<AtomicBool>,
+}
+
+impl Haste {
+    pub(super) fn begin(&self, refines: bool) {
+        self.refines.store(refines, Ordering::Relaxed);
+        self.stop.store(false, Ordering::Relaxed);
+    }
+
+    /// Ends the pass that is under way, if it refines.
+    pub fn stop(&self) {
+        if self.refines.load(Ordering::Relaxed) {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+}
