@@ -70,8 +70,8 @@ fn assert_white(name: &str, raw: RawMaterial, tolerance: f64, random: &mut Rando
     assert!(found.is_empty(), "{name}: {found:?}");
 }
 
-/// A metal that loses across what another does along, one blended by the azimuth alone, and one whose mean loss
-/// is another's.
+/// A metal that loses across what another does along, one blended by the azimuth alone, and one that gives
+/// back as much as facets of one α would.
 #[test]
 fn other_losses_are_rejected() {
     let mut random = Random::new(123);
