@@ -1,6 +1,6 @@
 //! The tables of directional albedos that `crates/kernels/src/albedo.bin` holds, computed in f64 from
 //! the models' definitions: quadrature over the visible normals, then a polynomial in √μ by least
-//! squares (`crates/kernels/wgsl/lib/albedo.wgsl`).
+//! squares (`crates/kernels/wgsl/lib/albedo.wgsl`). The table of stretched facets is in `stretched.rs`.
 
 use glam::DVec3;
 use midway_kernels::constants as k;
@@ -17,7 +17,7 @@ const SHEEN_CELLS: usize = 256;
 /// A curve's coefficients.
 pub type Curve = [f64; TERMS];
 
-/// Curves in the order of the tables, of one entry of every `step`: 1 for all of them.
+/// Curves in the order of the first two tables, of one entry of every `step`: 1 for all of them.
 pub fn tables(step: usize) -> Vec<Curve> {
     let n = k::ALBEDO_ALPHAS;
     let curves = |entry: u32| {
@@ -28,13 +28,13 @@ pub fn tables(step: usize) -> Vec<Curve> {
     (0..n * (1 + k::ALBEDO_INDICES)).step_by(step).flat_map(curves).collect()
 }
 
-/// The tables' bytes.
-pub fn bytes(curves: &[Curve]) -> Vec<u8> {
-    curves.iter().flatten().flat_map(|&c| (c as f32).to_le_bytes()).collect()
+/// A table's bytes.
+pub fn bytes(numbers: impl IntoIterator<Item = f64>) -> Vec<u8> {
+    numbers.into_iter().flat_map(|c| (c as f32).to_le_bytes()).collect()
 }
 
 /// α of an entry; the first is nearly smooth.
-fn alpha_of(entry: u32) -> f64 {
+pub(crate) fn alpha_of(entry: u32) -> f64 {
     (f64::from(entry) / f64::from(k::ALBEDO_ALPHAS - 1)).powi(2).max(1e-4)
 }
 
@@ -159,36 +159,45 @@ fn sheen_lambda(alpha: f64, cosine: f64) -> f64 {
 }
 
 /// The polynomial in √μ nearest to a function at POINTS cosines.
-fn fit(value: impl Fn(f64) -> f64) -> Curve {
-    let mut rows = [[0.0; TERMS + 1]; TERMS];
-    for i in 0..POINTS {
-        let s = (i as f64 + 0.5) / POINTS as f64;
-        let y = value(s * s);
+pub(crate) fn fit(value: impl Fn(f64) -> f64) -> Curve {
+    least_squares(cosines().map(|mu| (mu.sqrt(), value(mu), 1.0)))
+}
+
+/// Cosines that a curve is fitted to.
+pub(crate) fn cosines() -> impl Iterator<Item = f64> {
+    (0..POINTS).map(|i| ((i as f64 + 0.5) / POINTS as f64).powi(2))
+}
+
+/// The polynomial of N terms nearest to points (x, y, weight).
+pub(crate) fn least_squares<const N: usize>(points: impl Iterator<Item = (f64, f64, f64)>) -> [f64; N] {
+    let mut rows = [[0.0; N]; N];
+    let mut right = [0.0; N];
+    for (x, y, weight) in points {
         for (a, row) in rows.iter_mut().enumerate() {
-            for (b, sum) in row[..TERMS].iter_mut().enumerate() {
-                *sum += s.powi((a + b) as i32);
+            for (b, sum) in row.iter_mut().enumerate() {
+                *sum += weight * x.powi((a + b) as i32);
             }
-            row[TERMS] += s.powi(a as i32) * y;
+            right[a] += weight * x.powi(a as i32) * y;
         }
     }
-    solve(rows)
+    solve(rows, right)
 }
 
 /// Gauss's elimination with the largest pivot; the normal equations are not singular.
-fn solve(mut rows: [[f64; TERMS + 1]; TERMS]) -> Curve {
-    for column in 0..TERMS {
-        let largest =
-            (column..TERMS).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()));
-        rows.swap(column, largest.unwrap_or(column));
-        let pivot = rows[column];
-        for (index, row) in rows.iter_mut().enumerate() {
-            if index != column {
-                let factor = row[column] / pivot[column];
-                row.iter_mut().zip(pivot).for_each(|(value, above)| *value -= factor * above);
-            }
+fn solve<const N: usize>(mut rows: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
+    for column in 0..N {
+        let largest = (column..N).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()));
+        let largest = largest.unwrap_or(column);
+        rows.swap(column, largest);
+        right.swap(column, largest);
+        let (pivot, above) = (rows[column], right[column]);
+        for index in (0..N).filter(|&index| index != column) {
+            let factor = rows[index][column] / pivot[column];
+            rows[index].iter_mut().zip(pivot).for_each(|(value, above)| *value -= factor * above);
+            right[index] -= factor * above;
         }
     }
-    std::array::from_fn(|i| rows[i][TERMS] / rows[i][i])
+    std::array::from_fn(|i| right[i] / rows[i][i])
 }
 
 /// A curve's value.

@@ -13,3 +13,4 @@ pub mod scenes;
 pub mod shapes;
 pub mod shared;
 pub mod statistics;
+pub mod stretched;

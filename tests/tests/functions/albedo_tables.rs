@@ -1,16 +1,25 @@
 //! The tables of albedos: that they are what the definitions give.
 
 use midway_kernels::{ALBEDO_TABLES, constants as k};
-use midway_tests::albedo::{self, Curve, TERMS};
+use midway_tests::{
+    albedo::{self, Curve, TERMS},
+    stretched,
+};
 
-/// The test computes one entry of so many: all of them take 20 s.
+/// The test computes one entry of so many: all of them take 30 s.
 const EVERY: usize = 17;
+/// Numbers of the first two tables, and of an entry of the third.
+const N_OF_CURVES: usize = 4 * k::STRETCHED_AT as usize;
+const N_OF_STRETCHED: usize = 4 * k::STRETCHED_STRIDE as usize;
 
-fn stored() -> Vec<Curve> {
+fn stored_numbers() -> Vec<f64> {
     let (floats, rest) = ALBEDO_TABLES.as_chunks::<4>();
     assert!(rest.is_empty() && floats.len() == 4 * k::ALBEDO_SIZE as usize);
-    let values: Vec<f64> = floats.iter().map(|&b| f64::from(f32::from_le_bytes(b))).collect();
-    values.as_chunks::<TERMS>().0.to_vec()
+    floats.iter().map(|&b| f64::from(f32::from_le_bytes(b))).collect()
+}
+
+fn stored() -> Vec<Curve> {
+    stored_numbers()[..N_OF_CURVES].as_chunks::<TERMS>().0.to_vec()
 }
 
 /// `MIDWAY_WRITE_TABLES=1` writes them anew.
@@ -18,7 +27,9 @@ fn stored() -> Vec<Curve> {
 fn tables_are_those_of_the_definitions() {
     if std::env::var("MIDWAY_WRITE_TABLES").as_deref() == Ok("1") {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/kernels/src/albedo.bin");
-        std::fs::write(path, albedo::bytes(&albedo::tables(1))).expect("the tables are written");
+        let numbers = albedo::tables(1).into_iter().flatten();
+        let all = numbers.chain(stretched::table(1).into_iter().flat_map(|entry| entry.numbers()));
+        std::fs::write(path, albedo::bytes(all)).expect("the tables are written");
         return;
     }
     let computed = albedo::tables(EVERY);
@@ -29,6 +40,22 @@ fn tables_are_those_of_the_definitions() {
         for mu in [0.0, 0.05, 0.2, 0.5, 1.0] {
             let error = (albedo::at(stored, mu) - albedo::at(computed, mu)).abs();
             assert!(error <= 1e-4, "curve {i} at {mu}: off by {error}");
+        }
+    }
+}
+
+/// Of facets of two α too.
+#[test]
+fn the_stretched_table_is_that_of_the_definitions() {
+    let stored = stored_numbers();
+    let entries = stored[N_OF_CURVES..].chunks(N_OF_STRETCHED).step_by(EVERY);
+    let computed = stretched::table(EVERY);
+    assert_eq!(entries.len(), computed.len());
+    for (i, (stored, computed)) in entries.zip(&computed).enumerate() {
+        for (at, (stored, computed)) in stored.iter().zip(computed.numbers()).enumerate() {
+            // Rounding to f32 of what was computed.
+            let error = (stored - computed).abs();
+            assert!(error <= 1e-4 * computed.abs().max(1.0), "entry {i}, number {at}: off by {error}");
         }
     }
 }

@@ -7,6 +7,7 @@ mod bsdf_laws;
 mod bsdf_leaning;
 mod bsdf_models;
 mod bsdf_sampling;
+mod bsdf_stretched;
 mod cameras;
 mod chi_square;
 mod dispersion;

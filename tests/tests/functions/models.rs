@@ -27,6 +27,10 @@ fn solid(raw: RawMaterial, ior: f32) -> RawMaterial {
     RawMaterial { ior, flags: raw.flags | lib::MATERIAL_INSIDE, ..raw }
 }
 
+fn stretched(raw: RawMaterial, strength: f32) -> RawMaterial {
+    RawMaterial { k_or_coat: Vec3::new(0.0, 0.0, strength), ..raw }
+}
+
 fn coated(raw: RawMaterial, coat: f32, coat_roughness: f32) -> RawMaterial {
     RawMaterial { k_or_coat: Vec3::new(coat, coat_roughness, 0.0), ..raw }
 }
@@ -78,7 +82,10 @@ pub fn all() -> Vec<Model> {
         model("dielectric, roughness 0.5", rough(pbr, 0.5, 0.5), 0.02),
         model("dielectric, roughness 1", rough(pbr, 1.0, 1.0), 0.02),
         model("half metal", RawMaterial { metallic: 0.5, ..rough(pbr, 0.7, 0.7) }, 0.02),
-        Model { gain: 0.03, ..model("brushed", rough(brushed, 0.5, 0.5), 0.15) },
+        model("brushed", rough(brushed, 0.5, 0.5), 0.02),
+        model("brushed hard", rough(stretched(brushed, 0.9), 0.4, 0.4), 0.02),
+        model("brushed dielectric", RawMaterial { metallic: 0.0, ..rough(brushed, 0.5, 0.5) }, 0.02),
+        model("plastic 0.2 by 0.6", rough(plastic, 0.2, 0.6), 0.02),
         model("coat 0 on dielectric", coated(rough(pbr, 0.6, 0.6), 1.0, 0.0), 0.05),
         model(
             "coat 0.5 on metal",

@@ -93,17 +93,19 @@ pub fn raw(kind: u32) -> RawMaterial {
 /// A material of a record, with curves from the tables as `bindings/material.wgsl` reads them.
 pub fn finish(raw: RawMaterial) -> Material {
     let alpha = lib::mean_alpha(lib::interface_alpha(raw));
-    let none = lib::no_curve();
     let sheen = alpha_curve(lib::CURVE_SHEEN, lib::sheen_alpha(raw));
     let of_coat = |curve| alpha_curve(curve, lib::coat_alpha(raw));
     let coat = lib::schlick_albedo(lib::COAT_F0, of_coat(lib::CURVE_LOSS), of_coat(lib::CURVE_GRAZING));
-    let mut albedos = Albedos { a: none, b: none, sheen, coat };
+    let mut albedos = Albedos { sheen, coat, ..lib::no_albedos() };
     if alpha > 0.0 {
         let [front, back] = if raw.ior > 1.0 {
             [lib::CURVE_RARE_LOSS, lib::CURVE_DENSE_LOSS]
         } else {
             [lib::CURVE_DENSE_LOSS, lib::CURVE_RARE_LOSS]
         };
+        if lib::has_stretched_curves(lib::interface_alpha(raw), raw.flags) {
+            return lib::finish_material(raw, stretched(albedos, lib::interface_alpha(raw)));
+        }
         (albedos.a, albedos.b) = if lib::needs_dielectric_losses(raw) {
             (index_curve(front, alpha, raw.ior), index_curve(back, alpha, raw.ior))
         } else if raw.kind == lib::SURFACE_PLASTIC {
@@ -115,15 +117,33 @@ pub fn finish(raw: RawMaterial) -> Material {
     lib::finish_material(raw, albedos)
 }
 
-fn table(at: u32) -> Curve {
-    let row = |row: u32| {
-        let float = |i: u32| {
-            let at = (16 * row + 4 * i) as usize;
-            f32::from_le_bytes(ALBEDO_TABLES[at..at + 4].try_into().expect("4 bytes"))
-        };
-        Vec4::new(float(0), float(1), float(2), float(3))
+fn row(row: u32) -> Vec4<f32> {
+    let float = |i: u32| {
+        let at = (16 * row + 4 * i) as usize;
+        f32::from_le_bytes(ALBEDO_TABLES[at..at + 4].try_into().expect("4 bytes"))
     };
+    Vec4::new(float(0), float(1), float(2), float(3))
+}
+
+fn table(at: u32) -> Curve {
     Curve { low: row(at), high: row(at + 1) }
+}
+
+/// The third table between its entries.
+fn stretched(plain: Albedos, alpha: Vec2<f32>) -> Albedos {
+    let place = lib::stretched_place(alpha);
+    let first = [(place.x as u32).min(lib::ALBEDO_ALPHAS - 2), (place.y as u32).min(lib::ALBEDO_RATIOS - 2)];
+    let [t, u] = [place.x - first[0] as f32, place.y - first[1] as f32];
+    let number = |word: u32| {
+        let at = |alpha: u32, ratio: u32| {
+            let entry = (first[1] + ratio) * lib::ALBEDO_ALPHAS + first[0] + alpha;
+            row(lib::STRETCHED_AT + entry * lib::STRETCHED_STRIDE + word)
+        };
+        let between = |ratio| at(0, ratio) * (1.0 - t) + at(1, ratio) * t;
+        between(0) * (1.0 - u) + between(1) * u
+    };
+    let curve = |word| Curve { low: number(word), high: number(word + 1) };
+    Albedos { a: curve(0), across: curve(2), b: curve(4), stretch: number(6), ..plain }
 }
 
 fn between(place: f32, entries: u32, entry: impl Fn(u32) -> Curve) -> Curve {

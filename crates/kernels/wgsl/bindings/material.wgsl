@@ -51,7 +51,7 @@ fn transmits_density(index: u32) -> bool {
 
 /// The curves that `finish_material` asks for.
 fn load_albedos(raw: RawMaterial) -> Albedos {
-    var albedos = Albedos(no_curve(), no_curve(), no_curve(), no_curve());
+    var albedos = no_albedos();
     if (!needs_albedos(raw)) {
         return albedos;
     }
@@ -70,6 +70,9 @@ fn load_albedos(raw: RawMaterial) -> Albedos {
         albedos.a = load_index_curve(select(CURVE_DENSE_LOSS, CURVE_RARE_LOSS, raw.ior > 1.0), alpha, raw.ior);
         albedos.b = load_index_curve(select(CURVE_RARE_LOSS, CURVE_DENSE_LOSS, raw.ior > 1.0), alpha, raw.ior);
         return albedos;
+    }
+    if (has_stretched_curves(interface_alpha(raw), raw.flags)) {
+        return add_stretched(albedos, interface_alpha(raw));
     }
     albedos.a = load_alpha_curve(CURVE_LOSS, alpha);
     if (is_kind(raw.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
@@ -106,6 +109,28 @@ fn load_index_row(row_at: u32, curve: u32, alpha: f32) -> Curve {
     let entry = min(u32(place), ALBEDO_ALPHAS - 2u);
     let at = row_at + (entry * N_INDEX_CURVES + curve) * 2u;
     return blend_curves(load_curve(at), load_curve(at + N_INDEX_CURVES * 2u), place - f32(entry));
+}
+
+/// The third table between its entries, added to what is 0 there.
+fn add_stretched(plain: Albedos, alpha: vec2<f32>) -> Albedos {
+    var albedos = plain;
+    let place = stretched_place(alpha);
+    let first = min(vec2<u32>(place), vec2<u32>(ALBEDO_ALPHAS - 2u, ALBEDO_RATIOS - 2u));
+    let t = place - vec2<f32>(first);
+    for (var corner = 0u; corner < 4u; corner += 1u) {
+        let right = corner & 1u;
+        let up = corner >> 1u;
+        let weight = select(1.0 - t.x, t.x, right == 1u) * select(1.0 - t.y, t.y, up == 1u);
+        let at = STRETCHED_AT + ((first.y + up) * ALBEDO_ALPHAS + first.x + right) * STRETCHED_STRIDE;
+        albedos.a.low += weight * scene[at];
+        albedos.a.high += weight * scene[at + 1u];
+        albedos.across.low += weight * scene[at + 2u];
+        albedos.across.high += weight * scene[at + 3u];
+        albedos.b.low += weight * scene[at + 4u];
+        albedos.b.high += weight * scene[at + 5u];
+        albedos.stretch += weight * scene[at + 6u];
+    }
+    return albedos;
 }
 
 /// What a medium lets through over a distance.

@@ -1,6 +1,11 @@
 // Directional albedos of rough interfaces, as curves over the cosine. A curve is a polynomial of
 // degree 7 in √μ; those of the tables (bindings/material.wgsl) are fitted to quadrature by
 // tests/src/albedo.rs, within 0.01. Curves are linear: they can be blended and scaled.
+//
+// Facets of two α (tests/src/stretched.rs, within 0.01) lose by the azimuth too. There the
+// curve is over 1 / (1 + α tan θ), α seen along the direction: all that is lost along either axis is then
+// nearly the same, and a curve along the larger α and one across it are blended by the azimuth. Schlick's
+// factor is met at one cosine, whose square is a cubic in μ along each axis, blended too.
 
 struct Curve {
     /// Coefficients of (√μ)⁰ … (√μ)³.
@@ -28,9 +33,16 @@ const CURVE_DENSE_LOSS: u32 = 1u;
 const CURVE_RARE_REFLECTED: u32 = 2u;
 const N_INDEX_CURVES: u32 = 3u;
 
-/// Sizes of the tables in vec4, and where the second starts.
+/// Entries of the third table: by √ of the larger α as above, and by √ of the smaller over it in [0, 1].
+const ALBEDO_RATIOS: u32 = 8u;
+/// vec4 of an entry: curves of the loss along the larger α and across it, squares of Schlick's cosine
+/// along and across, `Albedos.stretch`.
+const STRETCHED_STRIDE: u32 = 7u;
+
+/// Sizes of the tables in vec4, and where the second and third start.
 const INDEX_CURVES_AT: u32 = ALBEDO_ALPHAS * N_ALPHA_CURVES * 2u;
-const ALBEDO_SIZE: u32 = INDEX_CURVES_AT + ALBEDO_ALPHAS * ALBEDO_INDICES * N_INDEX_CURVES * 2u;
+const STRETCHED_AT: u32 = INDEX_CURVES_AT + ALBEDO_ALPHAS * ALBEDO_INDICES * N_INDEX_CURVES * 2u;
+const ALBEDO_SIZE: u32 = STRETCHED_AT + ALBEDO_ALPHAS * ALBEDO_RATIOS * STRETCHED_STRIDE;
 
 fn no_curve() -> Curve {
     return Curve(vec4<f32>(0.0), vec4<f32>(0.0));
@@ -64,6 +76,24 @@ fn blend_curves(a: Curve, b: Curve, t: f32) -> Curve {
 /// Place of a roughness in the tables, whole entries.
 fn alpha_place(alpha: f32) -> f32 {
     return sqrt(clamp(alpha, 0.0, 1.0)) * f32(ALBEDO_ALPHAS - 1u);
+}
+
+/// Place of two α in the third: of the larger, and of the smaller over it. The larger is positive.
+fn stretched_place(alpha: vec2<f32>) -> vec2<f32> {
+    let larger = max(alpha.x, alpha.y);
+    return vec2<f32>(alpha_place(larger), sqrt(min(alpha.x, alpha.y) / larger) * f32(ALBEDO_RATIOS - 1u));
+}
+
+/// Where a curve of stretched facets is read: at 1 / (1 + α tan θ), θ the angle to the normal.
+fn stretched_cosine(alpha: vec2<f32>, w: vec3<f32>) -> f32 {
+    return w.z / max(w.z + length(alpha * w.xy), 1e-20);
+}
+
+/// How far a direction is from along the larger α to across it; q > 0 says how early (fitted).
+fn stretched_blend(alpha: vec2<f32>, w: vec3<f32>, q: f32) -> f32 {
+    let squares = w.xy * w.xy;
+    let share = select(squares.x, squares.y, alpha.x > alpha.y) / max(squares.x + squares.y, 1e-20);
+    return q * share / (1.0 - (1.0 - q) * share); // >= q: share <= 1
 }
 
 /// Place of an index of refraction, whichever side is the denser.

@@ -2,10 +2,10 @@
 //
 // f = F(wo·h) D(h) G₂ / (4 cos cos) + F_ms L(wo) L(wi) / (π L_mean), L = 1 - E what single bounces
 // lose, F_ms the colour of those that bounce on (Kulla and Conty 2017): reciprocal, and a white
-// metal reflects all; F_ms = 0 where a scene asks for single bounces. A smooth one is a delta lobe of weight F. Limits: what an anisotropic surface
-// loses is known within 0.03 up to MODERATE_STRETCH (loss_towards).
+// metal reflects all, within 0.02; F_ms = 0 where a scene asks for single bounces. A smooth one is a delta
+// lobe of weight F.
 
-/// Curves: a the loss.
+/// Curves: a the loss, of stretched facets with `across`.
 fn finish_conductor(raw: RawMaterial, plain: Material) -> Material {
     var material = plain;
     var mean = fresnel_schlick_mean(raw.color, vec3<f32>(1.0));
@@ -21,7 +21,7 @@ fn finish_conductor(raw: RawMaterial, plain: Material) -> Material {
     }
     material.albedo = max3(normal);
     if (bounces_on(material)) {
-        let loss = curve_mean(material.curves.a);
+        let loss = loss_mean(material);
         material.ms_front = multiple_bounces(mean, loss) * (INV_PI / loss);
         material.ms_back = material.ms_front;
     }

@@ -8,6 +8,7 @@
 //   rare to dense, importance: k n² L_A(wo) L_B(wi) / π; dense to rare: k L_B(wo) L_A(wi) / π;
 //   rare to rare: (1 - k n² B) L_A L_A / (π A); dense to dense: (1 - k A) L_B L_B / (π B),
 // k = (1 - F_mean) / max(A, n² B): all of it comes out again, and f(wo, wi) / n(wi)² is symmetric.
+// Limits: what a stretched solid loses is that of one α, roughly turned by the azimuth (loss_towards).
 // Radiance is scaled by (n_near / n_far)² on refraction, importance is not (Veach 1997, section 5.2).
 
 /// Curves: solid, a the loss at the front and b at the back; thin, a the loss of a mirror.
@@ -41,7 +42,7 @@ fn dielectric_mean(n: f32) -> f32 {
 /// (what it transmits has that in its colour).
 fn thin_bounces(plain: Material, f: vec3<f32>, share: f32) -> Material {
     var material = plain;
-    let scale = INV_PI / curve_mean(material.curves.a);
+    let scale = INV_PI / loss_mean(material);
     material.ms_front += scale * share * f * material.reflect;
     material.ms_back = material.ms_front;
     material.ms_transmit = scale * (vec3<f32>(1.0) - f) * material.transmit;

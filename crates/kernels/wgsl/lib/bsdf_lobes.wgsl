@@ -3,9 +3,9 @@
 // wi.z < 0 is transmitted). `front`: whether wo is on the front.
 
 /// Chances of the lobes, their sum 1 or, where nothing scatters, 0. Each is a function of the side
-/// and of |cos wo| alone, so that a delta reflection is chosen in reverse by the same chance; so is
-/// a delta transmission, but of a solid that has more lobes on one side than on the other (the
-/// weights of MIS then leave the ratio out, on all strategies alike: they sum to 1 all the same).
+/// and of the line along wo.xy and |cos wo| alone, so that a delta reflection is chosen in reverse by the
+/// same chance; so is a delta transmission, but of a solid that has more lobes on one side than on the
+/// other (the weights of MIS then leave the ratio out, on all strategies alike: they sum to 1 all the same).
 struct Lobes {
     facets: f32,
     /// Cosine-distributed, on wo's side and on the other.
@@ -70,20 +70,67 @@ fn reflection_chance(split: Split) -> f32 {
     return select(0.0, reflected / max(sum, 1e-30), sum > 0.0);
 }
 
-/// What single scattering loses, at a cosine to the normal on a side.
-fn loss_at(material: Material, front: bool, mu: f32) -> f32 {
+/// What single scattering loses, for a direction on a side; of a solid by its cosine to the normal alone.
+fn loss_at(material: Material, front: bool, w: vec3<f32>) -> f32 {
     if (bends(material) && !front) {
-        return curve_at(material.curves.b, mu);
+        return curve_at(material.curves.b, w.z);
     }
-    return curve_at(material.curves.a, mu);
+    if (has_stretched_curves(material.alpha, material.flags)) {
+        let place = stretched_cosine(material.alpha, w);
+        let blend = stretched_blend(material.alpha, w, material.curves.stretch.x);
+        return mix(curve_at(material.curves.a, place), curve_at(material.curves.across, place), blend);
+    }
+    return curve_at(material.curves.a, w.z);
+}
+
+/// Its mean over the hemisphere, weighted by the cosine; of what does not bend.
+fn loss_mean(material: Material) -> f32 {
+    if (has_stretched_curves(material.alpha, material.flags)) {
+        return clamp(material.curves.stretch.z, 1e-6, 1.0);
+    }
+    return curve_mean(material.curves.a);
+}
+
+/// The cosine by which stretched facets meet light of a direction, for the albedo with Fresnel's factor
+/// to be what they do not lose times that factor.
+fn stretched_facing(material: Material, w: vec3<f32>) -> f32 {
+    let mu = w.z;
+    let powers = vec4<f32>(1.0, mu, mu * mu, mu * mu * mu);
+    let blend = stretched_blend(material.alpha, w, material.curves.stretch.y);
+    let square = mix(dot(material.curves.b.low, powers), dot(material.curves.b.high, powers), blend);
+    return sqrt(clamp(square, 0.0, 1.0));
+}
+
+/// A direction of a rule over the hemisphere, weighted by the cosine: Gauss and Legendre's in the square
+/// of the cosine (4 points), along the normal's plane alone or, of stretched facets, at 2 azimuths.
+struct MeanPoint {
+    w: vec3<f32>,
+    weight: f32,
+}
+
+fn n_mean_points(material: Material) -> u32 {
+    return select(4u, 8u, has_stretched_curves(material.alpha, material.flags));
+}
+
+fn mean_point(material: Material, i: u32) -> MeanPoint {
+    let outer = (i & 3u) < 2u;
+    let near = select(0.330009478, 0.0694318442, outer);
+    let square = select(near, 1.0 - near, (i & 1u) != 0u);
+    let weight = select(0.326072577, 0.173927423, outer);
+    if (!has_stretched_curves(material.alpha, material.flags)) {
+        return MeanPoint(vec3<f32>(0.0, 0.0, sqrt(square)), weight);
+    }
+    // An eighth and three eighths of the quarter turn from along to across.
+    let azimuth = select(vec2<f32>(0.923879533, 0.382683432), vec2<f32>(0.382683432, 0.923879533), i > 3u);
+    return MeanPoint(vec3<f32>(sqrt(1.0 - square) * azimuth, sqrt(square)), 0.5 * weight);
 }
 
 const LN_4: f32 = 1.386294361;
 
-/// The same for a direction, by the loss at its cosine: a stretched surface loses more along the α that
-/// is smaller, the more the closer to grazing (fitted to quadrature).
+/// The same with the azimuth, by `loss_at`: a stretched solid loses more along the α that is smaller, the
+/// more the closer to grazing (a rough fit to quadrature).
 fn loss_towards(material: Material, loss: f32, w: vec3<f32>) -> f32 {
-    if (!may_have(FEATURE_ANISOTROPY) || material.alpha.x == material.alpha.y) {
+    if (!may_have(FEATURE_ANISOTROPY) || material.alpha.x == material.alpha.y || !bends(material)) {
         return loss;
     }
     let along = material.alpha * w.xy;
@@ -96,7 +143,7 @@ fn loss_towards(material: Material, loss: f32, w: vec3<f32>) -> f32 {
 
 /// How a surface meets light of one direction.
 struct Aspect {
-    /// What single scattering loses: by the cosine alone, and by the direction.
+    /// What single scattering loses: of a solid by the cosine alone, and by the direction.
     loss: f32,
     loss_towards: f32,
     /// What the coat lets through; coat and sheen together.
@@ -114,11 +161,11 @@ struct Aspect {
 fn aspect_at(material: Material, front: bool, w: vec3<f32>, coat_cosine: f32) -> Aspect {
     var aspect = Aspect(0.0, 0.0, 1.0, 1.0, 1.0, 0.0, vec3<f32>(0.0));
     if (!is_smooth(material)) {
-        aspect.loss = loss_at(material, front, w.z);
+        aspect.loss = loss_at(material, front, w);
         aspect.loss_towards = loss_towards(material, aspect.loss, w);
     }
     if (is_kind(material.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
-        aspect.through = plastic_through(material, w.z, aspect.loss);
+        aspect.through = plastic_through(material, w, aspect.loss);
     }
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
         if (may_have(FEATURE_LAYERS)) {
@@ -130,7 +177,7 @@ fn aspect_at(material: Material, front: bool, w: vec3<f32>, coat_cosine: f32) ->
             aspect.sheen = curve_at(material.curves.sheen, w.z);
             aspect.layers = layers_through(material, aspect.under_coat, aspect.sheen);
         }
-        aspect.through = aspect.layers * metallic_through(material, w.z, aspect.loss);
+        aspect.through = aspect.layers * metallic_through(material, w, aspect.loss);
     }
     return aspect;
 }

@@ -16,7 +16,7 @@
 // from the camera (lib/bsdf_leaning.wgsl), as glTF has it.
 // Limits: sheen and coat cover the front of a solid alone; a solid has no diffuse base from within, and as a metal no multiple bounces.
 
-/// Curves: a the loss of a mirror, b its CURVE_GRAZING; solid, a the loss at the front and b at the
+/// Curves: a the loss of a mirror, b its CURVE_GRAZING, or those of stretched facets; solid, a the loss at the front and b at the
 /// back.
 fn finish_metallic(raw: RawMaterial, plain: Material) -> Material {
     var material = plain;
@@ -54,7 +54,7 @@ fn metallic_bounces(raw: RawMaterial, plain: Material) -> Material {
     if (bends(material)) {
         return solid_bounces(material, dielectric_mean(max(raw.ior, 1.0 / raw.ior)), transmits);
     }
-    let loss = curve_mean(material.curves.a);
+    let loss = loss_mean(material);
     let mean = fresnel_schlick_mean(material.base_f0, vec3<f32>(material.base_f90));
     let metal = multiple_bounces(fresnel_schlick_mean(raw.color, vec3<f32>(1.0)), loss);
     material.base_ms = multiple_bounces(mean, loss);
@@ -97,27 +97,34 @@ fn coat_through(material: Material, mu: f32) -> f32 {
     return 1.0 - coat_fresnel(material, mu);
 }
 
-/// What the interface lets through to the base, at a cosine with the loss there.
-fn metallic_through(material: Material, mu: f32, loss: f32) -> vec3<f32> {
+/// What the interface lets through to the base, for a direction with the loss there.
+fn metallic_through(material: Material, w: vec3<f32>, loss: f32) -> vec3<f32> {
     let f90 = vec3<f32>(material.base_f90);
-    var reflected = fresnel_schlick_to(material.base_f0, f90, mu);
+    var reflected = fresnel_schlick_to(material.base_f0, f90, w.z);
     if (!is_smooth(material) && !bends(material)) {
-        let grazing = curve_at(material.curves.b, mu);
+        let grazing = grazing_at(material, w, loss);
         reflected = material.base_f0 * (1.0 - loss - grazing) + f90 * grazing + material.base_ms * loss;
     }
     return max(vec3<f32>(1.0) - reflected, vec3<f32>(0.0));
 }
 
-/// What reaches the base, on average over the hemisphere, weighted by the cosine, and of layers alone (w),
-/// by Gauss and Legendre's rule in the square of the cosine (4 points).
+/// The albedo of facets with the factor (1 - cos)⁵, for a direction with the loss there.
+fn grazing_at(material: Material, w: vec3<f32>, loss: f32) -> f32 {
+    if (!has_stretched_curves(material.alpha, material.flags)) {
+        return curve_at(material.curves.b, w.z);
+    }
+    let away = 1.0 - stretched_facing(material, w);
+    let square = away * away;
+    return (1.0 - loss) * square * square * away;
+}
+
+/// What reaches the base, on average over the hemisphere, weighted by the cosine, and of layers alone (w).
 fn metallic_through_mean(material: Material) -> vec4<f32> {
     var sum = vec4<f32>(0.0);
-    for (var i = 0u; i < 4u; i += 1u) {
-        let outer = i < 2u;
-        let near = select(0.330009478, 0.0694318442, outer);
-        let square = select(near, 1.0 - near, (i & 1u) != 0u);
-        let met = aspect_at(material, true, vec3<f32>(0.0, 0.0, sqrt(square)), sqrt(square));
-        sum += select(0.326072577, 0.173927423, outer) * vec4<f32>(met.through, met.layers);
+    for (var i = 0u; i < n_mean_points(material); i += 1u) {
+        let point = mean_point(material, i);
+        let met = aspect_at(material, true, point.w, point.w.z);
+        sum += point.weight * vec4<f32>(met.through, met.layers);
     }
     return sum;
 }

@@ -5,7 +5,7 @@
 // T = 1 - the coat's albedo, F_in the diffuse reflectance of the coat from within: n² (1 - F_in) =
 // mean T; ρ' = ρ where `nonlinear`, else 1. White is lossless. Limits: none of the tint goes into T.
 
-/// Curves: a the loss of a mirror, b the albedo of the coat's single scattering.
+/// Curves: a the loss of a mirror, b the albedo of the coat's single scattering, or of stretched facets.
 fn finish_plastic(raw: RawMaterial, plain: Material) -> Material {
     var material = plain;
     material.flags |= MATERIAL_CONNECTIBLE;
@@ -13,10 +13,10 @@ fn finish_plastic(raw: RawMaterial, plain: Material) -> Material {
     let mean = vec3<f32>(dielectric_mean(max(raw.ior, 1.0 / raw.ior)));
     var through = 1.0 - mean.x;
     if (!is_smooth(material)) {
-        let loss = curve_mean(material.curves.a);
+        let loss = loss_mean(material);
         material.base_ms = multiple_bounces(mean, loss);
         material.ms_front = raw.specular_color * material.base_ms * (INV_PI / loss);
-        through = 1.0 - curve_mean(material.curves.b) - material.base_ms.x * loss;
+        through = plastic_through_mean(material, loss);
         material.ms_back = material.ms_front;
     }
     let n2 = raw.ior * raw.ior;
@@ -27,11 +27,29 @@ fn finish_plastic(raw: RawMaterial, plain: Material) -> Material {
     return material;
 }
 
-/// What the coat lets through, at a cosine with the loss there.
-fn plastic_through(material: Material, mu: f32, loss: f32) -> vec3<f32> {
+/// What the coat lets through, for a direction with the loss there.
+fn plastic_through(material: Material, w: vec3<f32>, loss: f32) -> vec3<f32> {
     if (is_smooth(material)) {
-        return vec3<f32>(1.0 - fresnel_dielectric(mu, material.ior).x);
+        return vec3<f32>(1.0 - fresnel_dielectric(w.z, material.ior).x);
     }
-    let coat = curve_at(material.curves.b, mu) + material.base_ms.x * loss;
-    return vec3<f32>(max(1.0 - coat, 0.0));
+    var once = 0.0;
+    if (has_stretched_curves(material.alpha, material.flags)) {
+        once = (1.0 - loss) * fresnel_dielectric(stretched_facing(material, w), material.ior).x;
+    } else {
+        once = curve_at(material.curves.b, w.z);
+    }
+    return vec3<f32>(max(1.0 - once - material.base_ms.x * loss, 0.0));
+}
+
+/// What a rough coat lets through, on average over the hemisphere, weighted by the cosine. loss: the mean.
+fn plastic_through_mean(material: Material, loss: f32) -> f32 {
+    if (!has_stretched_curves(material.alpha, material.flags)) {
+        return 1.0 - curve_mean(material.curves.b) - material.base_ms.x * loss;
+    }
+    var sum = 0.0;
+    for (var i = 0u; i < n_mean_points(material); i += 1u) {
+        let point = mean_point(material, i);
+        sum += point.weight * plastic_through(material, point.w, loss_at(material, true, point.w)).x;
+    }
+    return sum;
 }

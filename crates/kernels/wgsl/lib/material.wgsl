@@ -65,6 +65,14 @@ struct Albedos {
     sheen: Curve,
     /// Albedo of a rough coat.
     coat: Curve,
+    /// Of facets of two α (`has_stretched_curves`): what is lost across the larger, and q of losses, q of
+    /// cosines, the mean loss.
+    across: Curve,
+    stretch: vec4<f32>,
+}
+
+fn no_albedos() -> Albedos {
+    return Albedos(no_curve(), no_curve(), no_curve(), no_curve(), no_curve(), vec4<f32>(0.0));
 }
 
 /// A surface at a point.
@@ -131,13 +139,19 @@ fn interface_alpha(raw: RawMaterial) -> vec2<f32> {
     return select(alpha, stretched, is_stretched);
 }
 
+/// Whether a and b are of facets of two α (a: the loss along the larger; b: squares of Schlick's cosine
+/// along and across). What bends has curves of one α for each index.
+fn has_stretched_curves(alpha: vec2<f32>, flags: u32) -> bool {
+    return may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y && !has_inside(flags);
+}
+
 /// α of the isotropic surface that loses as much as an anisotropic one, seen along the normal: the mean
 /// square's root, up to MODERATE_STRETCH; beyond it no isotropic one is alike, and it nears the mean.
 fn mean_alpha(alpha: vec2<f32>) -> f32 {
     return mix(0.5 * (alpha.x + alpha.y), sqrt(0.5 * dot(alpha, alpha)), stretch_known(alpha));
 }
 
-/// How far the two α may be apart for what is lost to be known within 0.03 (by quadrature).
+/// How far the two α may be apart for what is lost to be about that of one (by quadrature).
 const MODERATE_STRETCH: f32 = 2.5;
 
 fn stretch_known(alpha: vec2<f32>) -> f32 {
@@ -191,7 +205,7 @@ fn plain_material(raw: RawMaterial) -> Material {
     let zero = vec3<f32>(0.0);
     return Material(raw.color, raw.kind, raw.emission, raw.ior, raw.flags | MATERIAL_CONNECTIBLE, max3(raw.color), vec2<f32>(0.0),
         zero, zero, zero, zero, zero, zero, zero, zero, 0.0, zero, 0.0, 0.0, 0.0, zero, 1.0, raw.rotation,
-        Albedos(no_curve(), no_curve(), no_curve(), no_curve()));
+        no_albedos());
 }
 
 /// Everything that follows from a record, with the curves for its α and index.

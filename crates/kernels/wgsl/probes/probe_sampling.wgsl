@@ -15,6 +15,6 @@ fn probe_sampling(@builtin(global_invocation_id) id: vec3<u32>) {
     probe_output(id.x, 2u, vec4<f32>(emitted, emission_pdf_sa(dot(n, emitted), u.w < 0.5)));
     let raw = RawMaterial(SURFACE_DIFFUSE, id.x % 2u, vec3<f32>(0.5), u.xyz, 1.0, vec3<f32>(0.0), 0.0, vec2<f32>(0.0), 0.0, 0.0,
         vec4<f32>(0.0), vec3<f32>(0.0), vec2<f32>(1.0, 0.0));
-    let light = finish_material(raw, Albedos(no_curve(), no_curve(), no_curve(), no_curve()));
+    let light = finish_material(raw, no_albedos());
     probe_output(id.x, 3u, vec4<f32>(emitted_radiance(light, n.z), f32(alias_pick(3u, u.x, u.y, 5u))));
 }
