@@ -115,9 +115,10 @@ impl Renderer {
     /// change then does not wait for a compiler. One that fails is left to whoever needs it.
     pub fn compile_ahead(&self) -> impl FnOnce() + Send + 'static {
         let (device, packed) = (Arc::clone(&self.device), &self.kept.packed);
-        let groups = (packed.light_groups.len() > 1).then_some(packed.features | k::FEATURE_LIGHT_GROUPS);
         let surrounded = packed.features ^ k::FEATURE_ENVIRONMENT;
-        let features: Vec<u32> = std::iter::once(packed.features).chain(groups).chain([surrounded]).collect();
+        // An environment is a group of its own.
+        let apart = [packed.features, surrounded].map(|features| features | k::FEATURE_LIGHT_GROUPS);
+        let features = [packed.features, apart[0], surrounded, apart[1]];
         move || {
             for features in features {
                 let names = LaneUses::all_kernels().chain(POOL_KERNELS).chain(OTHER_KERNELS);
