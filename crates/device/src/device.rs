@@ -77,10 +77,7 @@ pub trait Device: Send + Sync {
         words: Vec<[u32; 4]>,
         usage: BufferUsage,
     ) -> Result<Buffer, DeviceError> {
-        let bytes = bytemuck::cast_slice(&words);
-        let buffer = self.create_buffer(label, bytes.len() as u64, usage)?;
-        self.write_buffer(&buffer, 0, bytes)?;
-        Ok(buffer)
+        copy_to_buffer(self, label, &words, usage)
     }
 
     /// Copies `data` into the buffer at `offset` bytes, before any later [`Device::run`]. Offset
@@ -155,4 +152,17 @@ pub trait Device: Send + Sync {
     /// # Errors
     /// If a command is refused (then none has run) or the device is lost.
     fn run(&self, commands: &[Command], timed: bool) -> Result<RunTiming, DeviceError>;
+}
+
+/// A new buffer that holds a copy of `words`, at least one.
+pub(crate) fn copy_to_buffer(
+    device: &(impl Device + ?Sized),
+    label: &str,
+    words: &[[u32; 4]],
+    usage: BufferUsage,
+) -> Result<Buffer, DeviceError> {
+    let bytes = bytemuck::cast_slice(words);
+    let buffer = device.create_buffer(label, bytes.len() as u64, usage)?;
+    device.write_buffer(&buffer, 0, bytes)?;
+    Ok(buffer)
 }

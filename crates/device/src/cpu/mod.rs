@@ -17,6 +17,7 @@ use crate::{
     BoundKernel, Buffer, BufferUsage, Command, Device, DeviceError, DeviceInfo, DeviceKind, Pipeline,
     RunTiming,
     check::{self, Check},
+    device::copy_to_buffer,
     resource::{DeviceId, Inner},
 };
 use memory::{Budget, Memory};
@@ -194,11 +195,7 @@ impl Device for CpuDevice {
         self.check().size(label, bytes, self.budget.limit)?;
         let memory = match Memory::of(words, &self.budget) {
             Ok(memory) => memory,
-            Err(words) => {
-                let buffer = self.create_buffer(label, bytes, usage)?;
-                self.write_buffer(&buffer, 0, bytemuck::cast_slice(&words))?;
-                return Ok(buffer);
-            }
+            Err(words) => return copy_to_buffer(self, label, &words, usage),
         };
         Ok(Buffer { label: label.into(), bytes, usage, device: self.id, inner: Arc::new(memory) })
     }
