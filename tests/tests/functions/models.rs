@@ -61,6 +61,7 @@ pub fn all() -> Vec<Model> {
         ..pbr
     };
     let red = RawMaterial { color: Vec3::new(0.9, 0.4, 0.1), ..plastic };
+    let once = lib::MATERIAL_NONLINEAR | lib::MATERIAL_SINGLE_BOUNCE;
     vec![
         model("metal 0.2", rough(metal, 0.2, 0.2), 0.02),
         model("metal 0.5", rough(metal, 0.5, 0.5), 0.02),
@@ -78,6 +79,7 @@ pub fn all() -> Vec<Model> {
         model("plastic 0.3", rough(plastic, 0.3, 0.3), 0.02),
         model("plastic 0.8", rough(plastic, 0.8, 0.8), 0.02),
         model("red plastic", RawMaterial { flags: lib::MATERIAL_NONLINEAR, ..red }, f64::NAN),
+        model("plastic 0.6 of single bounces", RawMaterial { flags: once, ..rough(red, 0.6, 0.6) }, f64::NAN),
         model("dielectric, roughness 0", pbr, 0.02),
         model("dielectric, roughness 0.5", rough(pbr, 0.5, 0.5), 0.02),
         model("dielectric, roughness 1", rough(pbr, 1.0, 1.0), 0.02),

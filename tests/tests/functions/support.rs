@@ -109,7 +109,13 @@ pub fn finish(raw: RawMaterial) -> Material {
         (albedos.a, albedos.b) = if lib::needs_dielectric_losses(raw) {
             (index_curve(front, alpha, raw.ior), index_curve(back, alpha, raw.ior))
         } else if raw.kind == lib::SURFACE_PLASTIC {
-            (alpha_curve(lib::CURVE_LOSS, alpha), index_curve(lib::CURVE_RARE_REFLECTED, alpha, raw.ior))
+            let single = lib::is_single_bounce(raw.flags);
+            if single {
+                albedos.across = index_curve(lib::CURVE_DENSE_LOSS, alpha, raw.ior);
+            }
+            let loss =
+                if single { index_curve(front, alpha, raw.ior) } else { alpha_curve(lib::CURVE_LOSS, alpha) };
+            (loss, index_curve(lib::CURVE_RARE_REFLECTED, alpha, raw.ior))
         } else {
             (alpha_curve(lib::CURVE_LOSS, alpha), alpha_curve(lib::CURVE_GRAZING, alpha))
         };

@@ -77,6 +77,10 @@ fn load_albedos(raw: RawMaterial) -> Albedos {
     albedos.a = load_alpha_curve(CURVE_LOSS, alpha);
     if (is_kind(raw.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
         albedos.b = load_index_curve(CURVE_RARE_REFLECTED, alpha, raw.ior);
+        if (is_single_bounce(raw.flags)) {
+            albedos.a = load_index_curve(CURVE_RARE_LOSS, alpha, raw.ior);
+            albedos.across = load_index_curve(CURVE_DENSE_LOSS, alpha, raw.ior);
+        }
     } else {
         albedos.b = load_alpha_curve(CURVE_GRAZING, alpha);
     }

@@ -66,7 +66,7 @@ struct Albedos {
     /// Albedo of a rough coat.
     coat: Curve,
     /// Of facets of two α (`has_stretched_curves`): what is lost across the larger, and q of losses, q of
-    /// cosines, the mean loss.
+    /// cosines, the mean loss. Of plastic of single bounces: what is lost from within.
     across: Curve,
     stretch: vec4<f32>,
 }
@@ -140,9 +140,9 @@ fn interface_alpha(raw: RawMaterial) -> vec2<f32> {
 }
 
 /// Whether a and b are of facets of two α (a: the loss along the larger; b: squares of Schlick's cosine
-/// along and across). What bends has curves of one α for each index.
+/// along and across). What bends has curves of one α for each index; of single bounces none is given back.
 fn has_stretched_curves(alpha: vec2<f32>, flags: u32) -> bool {
-    return may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y && !has_inside(flags);
+    return may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y && !has_inside(flags) && !is_single_bounce(flags);
 }
 
 /// α of the isotropic surface that loses as much as an anisotropic one, seen along the normal: the mean
@@ -183,7 +183,11 @@ fn is_smooth(material: Material) -> bool {
 
 /// Whether light goes on from facet to facet.
 fn bounces_on(material: Material) -> bool {
-    return !is_smooth(material) && (material.flags & MATERIAL_SINGLE_BOUNCE) == 0u;
+    return !is_smooth(material) && !is_single_bounce(material.flags);
+}
+
+fn is_single_bounce(flags: u32) -> bool {
+    return (flags & MATERIAL_SINGLE_BOUNCE) != 0u;
 }
 
 fn has_inside(flags: u32) -> bool {
