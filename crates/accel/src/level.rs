@@ -4,8 +4,8 @@ use glam::Vec3;
 use midway_scene::Bounds;
 
 use crate::{
-    AccelError, BuildOptions, Bvh, Child, Hierarchy, Statistics, WideBvh, WideNode,
-    build_wide_with_instances, build_with_instances,
+    AccelError, BALANCED_DEPTH, BuildOptions, Bvh, Child, Hierarchy, STACK_SIZE, Statistics,
+    WIDE_BALANCED_DEPTH, WIDE_STACK_SIZE, WideBvh, WideNode, build_wide_with_instances, build_with_instances,
 };
 
 /// How many children nodes have.
@@ -24,6 +24,27 @@ impl Width {
             Self::Binary => Bvh::NODE_VEC4,
             Self::Wide => WideNode::VEC4,
         }
+    }
+
+    /// Entries of a traversal's stack: a hierarchy has fewer levels.
+    pub fn stack_size(self) -> usize {
+        match self {
+            Self::Binary => STACK_SIZE,
+            Self::Wide => WIDE_STACK_SIZE,
+        }
+    }
+
+    /// Levels of a balanced hierarchy at most.
+    pub fn balanced_depth(self) -> usize {
+        match self {
+            Self::Binary => BALANCED_DEPTH,
+            Self::Wide => WIDE_BALANCED_DEPTH,
+        }
+    }
+
+    /// Levels that a hierarchy is built with at most.
+    pub(crate) fn max_depth(self, options: &BuildOptions) -> usize {
+        options.max_depth.clamp(self.balanced_depth(), self.stack_size() - 1)
     }
 }
 

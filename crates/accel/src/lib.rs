@@ -42,11 +42,13 @@ pub use level::{Level, Width};
 pub use midway_scene::Bounds;
 pub use pack::Child;
 pub use traverse::{Hierarchy, Hit, closest_hit};
-pub use two_level::{MESH_OPTIONS, Placement, TwoLevel};
+pub use two_level::{Placement, TwoLevel, mesh_options};
 pub use wide::{WideBvh, WideNode, build_wide, build_wide_with_instances};
 
-/// Traversal stacks hold this many entries: [`Bvh::max_depth`] and [`WideBvh::max_depth`] are below it.
+/// The stack of a binary traversal holds this many entries: [`Bvh::max_depth`] is below it.
 pub const STACK_SIZE: usize = 64;
+/// That of a wide one, [`WideBvh::max_depth`] is below it. A GPU clears all of it for each ray.
+pub const WIDE_STACK_SIZE: usize = 32;
 /// The most references a leaf of the binary hierarchy can hold: its count takes four bits, and one
 /// value is a mark.
 pub const MAX_LEAF_SIZE: usize = 14;
@@ -97,12 +99,14 @@ pub struct BuildOptions {
     /// References a leaf holds at most, clamped to 1..=[`MAX_LEAF_SIZE`].
     pub max_leaf_size: usize,
     /// Where the optimised topology is deeper, a balanced one takes its place. Clamped to
-    /// [`BALANCED_DEPTH`]..[`STACK_SIZE`].
+    /// [`Width::balanced_depth`]..[`Width::stack_size`].
     pub max_depth: usize,
 }
 
 /// Deeper no balanced topology is: over [`MAX_REFERENCES`], each alone in its leaf, it has 27 levels.
 pub const BALANCED_DEPTH: usize = 28;
+/// The same of a wide one, whose nodes take three levels each.
+pub const WIDE_BALANCED_DEPTH: usize = BALANCED_DEPTH.div_ceil(3);
 
 impl Default for BuildOptions {
     fn default() -> Self {

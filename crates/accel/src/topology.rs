@@ -11,7 +11,7 @@ use obvhs::{
 use rayon::prelude::*;
 
 use crate::{
-    BALANCED_DEPTH, BuildOptions, MAX_LEAF_SIZE, Quality, STACK_SIZE,
+    BuildOptions, MAX_LEAF_SIZE, Quality, STACK_SIZE, Width,
     references::{Normalisation, Reference},
 };
 
@@ -49,7 +49,7 @@ impl Limits {
         let any = references.last().is_some_and(is_instance);
         Self {
             max_leaf_size: options.max_leaf_size.clamp(1, MAX_LEAF_SIZE),
-            max_depth: max_depth(options),
+            max_depth: Width::Binary.max_depth(options),
             is_alone: if any { references.iter().map(is_instance).collect() } else { Vec::new() },
         }
     }
@@ -58,11 +58,6 @@ impl Limits {
         let is_alone = |&m: &u32| self.is_alone.get(m as usize).is_some_and(|&alone| alone);
         members.len() == 1 || (members.len() <= self.max_leaf_size && !members.iter().any(is_alone))
     }
-}
-
-/// Levels of inner nodes at most.
-pub(crate) fn max_depth(options: &BuildOptions) -> usize {
-    options.max_depth.clamp(BALANCED_DEPTH, STACK_SIZE - 1)
 }
 
 #[derive(Clone, Copy)]
@@ -95,15 +90,22 @@ pub(crate) fn build(
     normalisation: &Normalisation,
     options: &BuildOptions,
 ) -> Tree {
-    let boxes = boxes(references, normalisation);
     let limits = Limits::of(references, n_triangles, options);
-    if let Some(tree) = Tree::optimised(&boxes, options.quality, limits.clone()) {
-        return tree;
-    }
-    let mut tree = Tree::new(limits);
+    Tree::optimised(&boxes(references, normalisation), options.quality, limits)
+        .unwrap_or_else(|| balanced(references, n_triangles, normalisation, options))
+}
+
+/// A tree no deeper than [`BALANCED_DEPTH`](crate::BALANCED_DEPTH), over references, one at least.
+pub(crate) fn balanced(
+    references: &[Reference],
+    n_triangles: usize,
+    normalisation: &Normalisation,
+    options: &BuildOptions,
+) -> Tree {
+    let mut tree = Tree::new(Limits::of(references, n_triangles, options));
     tree.balanced_fallback = true;
     let mut all: Vec<u32> = (0..references.len() as u32).collect();
-    tree.root = Some(tree.balanced(&mut all, &boxes));
+    tree.root = Some(tree.balanced(&mut all, &boxes(references, normalisation)));
     tree
 }
 

@@ -5,18 +5,20 @@ use glam::{DAffine3, DMat3, Vec3};
 use midway_scene::Bounds;
 
 use crate::{
-    AccelError, BALANCED_DEPTH, BuildOptions, Child, Hierarchy, Hit, Level, MAX_REFERENCES, Quality,
-    STACK_SIZE, Width, traverse::traverse,
+    AccelError, BuildOptions, Child, Hierarchy, Hit, Level, MAX_REFERENCES, Quality, Width,
+    traverse::traverse,
 };
 
 /// How meshes for [`TwoLevel`] are to be built: no deeper than leaves a stack room for the world,
 /// and for [`MARKS`].
-pub const MESH_OPTIONS: BuildOptions = BuildOptions {
-    spatial_splits: true,
-    quality: Quality::Balanced,
-    max_leaf_size: 4,
-    max_depth: STACK_SIZE - MARKS - BALANCED_DEPTH,
-};
+pub fn mesh_options(width: Width) -> BuildOptions {
+    BuildOptions {
+        spatial_splits: true,
+        quality: Quality::Balanced,
+        max_leaf_size: 4,
+        max_depth: width.stack_size() - MARKS - width.balanced_depth(),
+    }
+}
 
 /// What a stack holds beside what waits of both levels: its bottom, what is left of a leaf, and where the
 /// ray leaves the mesh.
@@ -53,7 +55,7 @@ pub struct TwoLevel {
 
 impl TwoLevel {
     /// Builds the world's hierarchy over its own triangles and the placements; `meshes` are of the same
-    /// width, and were built with [`MESH_OPTIONS`].
+    /// width, and were built with [`mesh_options`].
     ///
     /// # Errors
     ///
@@ -62,7 +64,7 @@ impl TwoLevel {
     /// # Panics
     ///
     /// Where a placement's mesh is not one of `meshes`, or one of these is of another width or deeper
-    /// than [`MESH_OPTIONS`] allow.
+    /// than [`mesh_options`] allow.
     pub fn build(
         width: Width,
         triangles: &[[Vec3; 3]],
@@ -72,9 +74,10 @@ impl TwoLevel {
     ) -> Result<Self, AccelError> {
         assert!(meshes.iter().all(|mesh| mesh.width() == width), "meshes are of another kind");
         let deepest = meshes.iter().map(Level::max_depth).max().unwrap_or(0);
-        assert!(deepest <= MESH_OPTIONS.max_depth, "a mesh's hierarchy is too deep");
+        assert!(deepest <= mesh_options(width).max_depth, "a mesh's hierarchy is too deep");
         let bounds: Vec<Bounds> = placements.iter().map(|p| p.bounds(&meshes)).collect();
-        let room = if placements.is_empty() { STACK_SIZE - 1 } else { STACK_SIZE - MARKS - deepest };
+        let taken = if placements.is_empty() { 1 } else { MARKS + deepest };
+        let room = width.stack_size() - taken;
         let options = BuildOptions { max_depth: options.max_depth.min(room), ..*options };
         let world = Level::build(width, triangles, &bounds, &options)?;
         let two_level = Self { world, meshes, placements };

@@ -4,8 +4,8 @@ mod common;
 
 use glam::Vec3;
 use midway_accel::{
-    AccelError, BuildOptions, Bvh, Child, Hierarchy, Hit, MAX_LEAF_SIZE, Quality, STACK_SIZE, WideBvh, build,
-    build_wide, closest_hit,
+    AccelError, BuildOptions, Bvh, Child, Hierarchy, Hit, MAX_LEAF_SIZE, Quality, STACK_SIZE,
+    WIDE_BALANCED_DEPTH, WIDE_STACK_SIZE, WideBvh, build, build_wide, closest_hit,
 };
 
 use common::{Random, inputs, ray, slivers, soup};
@@ -22,6 +22,25 @@ fn presets() -> Vec<BuildOptions> {
     all
 }
 
+/// Where the cheapest wide hierarchy would be deeper, a balanced one is built.
+#[test]
+fn wide_hierarchies_are_no_deeper_than_asked() {
+    let mut n_balanced = 0;
+    // Each twice as far out as the one before: the cheapest hierarchy splits off a few at a time.
+    let spread = (0..120).map(|i| {
+        let at = Vec3::splat((i as f32 - 60.0).exp2());
+        [at, at + Vec3::X * at.x, at + Vec3::Y * at.x]
+    });
+    for (name, triangles) in inputs().into_iter().chain([("spread", spread.collect())]) {
+        let options = BuildOptions { max_depth: 1, ..BuildOptions::default() };
+        let wide = build_wide(&triangles, &options).unwrap();
+        wide.validate(&triangles).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert!(wide.max_depth <= WIDE_BALANCED_DEPTH, "{name}: {} levels", wide.max_depth);
+        n_balanced += usize::from(wide.statistics.balanced_fallback);
+    }
+    assert!(n_balanced > 0, "none had to be balanced");
+}
+
 #[test]
 fn every_input_is_valid_with_every_preset() {
     for (name, triangles) in inputs() {
@@ -33,7 +52,7 @@ fn every_input_is_valid_with_every_preset() {
             assert!(largest_leaf(&bvh) <= options.max_leaf_size.clamp(1, MAX_LEAF_SIZE));
             let wide = build_wide(&triangles, &options).unwrap();
             wide.validate(&triangles).unwrap_or_else(|e| panic!("wide {name}, {options:?}: {e}"));
-            assert!(wide.max_depth < STACK_SIZE, "wide {name}, {options:?}");
+            assert!(wide.max_depth < WIDE_STACK_SIZE, "wide {name}, {options:?}");
             assert!(wide.statistics.sah_cost.is_finite(), "wide {name}, {options:?}");
             if !options.spatial_splits {
                 assert_eq!(bvh.statistics.duplicated_references, 0, "{name}");

@@ -4,8 +4,8 @@ mod common;
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use midway_accel::{
-    BuildOptions, Bvh, Child, Hierarchy, Hit, Level, MESH_OPTIONS, Placement, STACK_SIZE, TwoLevel, WideBvh,
-    WideNode, Width, build_wide, closest_hit,
+    BuildOptions, Bvh, Child, Hierarchy, Hit, Level, Placement, TwoLevel, WideBvh, WideNode, Width,
+    build_wide, closest_hit, mesh_options,
 };
 
 use common::{Random, Triangles, inputs, soup};
@@ -31,7 +31,7 @@ fn placements(n: usize, n_meshes: u32, reach: f32, seed: u64) -> Vec<Placement> 
 }
 
 fn two_level(width: Width, world: &Triangles, meshes: &[Triangles], placements: Vec<Placement>) -> TwoLevel {
-    let bvhs = meshes.iter().map(|m| Level::build(width, m, &[], &MESH_OPTIONS).unwrap()).collect();
+    let bvhs = meshes.iter().map(|m| Level::build(width, m, &[], &mesh_options(width)).unwrap()).collect();
     TwoLevel::build(width, world, bvhs, placements, &BuildOptions::default()).unwrap()
 }
 
@@ -106,7 +106,7 @@ fn degenerate_meshes_can_be_placed() {
         let bounds = two_level.placement_bounds();
         two_level.world.validate_with_instances(&soup(20, 1.0, 5.0, 1), &bounds).unwrap();
         let levels = two_level.world.max_depth() + two_level.meshes[0].max_depth();
-        assert!(levels + 3 <= STACK_SIZE, "{name}: {levels} levels");
+        assert!(levels + 3 <= width.stack_size(), "{name}: {levels} levels");
         for (p, bounds) in two_level.placements.iter().zip(&bounds) {
             for v in flattened(&vec![], &meshes, &[*p]).as_flattened() {
                 assert!(bounds.contains_point(*v), "{name}: {v} is not in {bounds:?}");
@@ -121,7 +121,7 @@ fn many_placements_at_one_place_are_no_deeper_than_a_stack() {
     let at_once = vec![placements(1, 1, 1.0, 1)[0]; 3000];
     for width in WIDTHS {
         let two_level = two_level(width, &vec![], &meshes, at_once.clone());
-        assert!(two_level.world.max_depth() + two_level.meshes[0].max_depth() + 3 <= STACK_SIZE);
+        assert!(two_level.world.max_depth() + two_level.meshes[0].max_depth() + 3 <= width.stack_size());
         two_level.world.validate_with_instances(&[], &two_level.placement_bounds()).unwrap();
     }
 }

@@ -1,7 +1,7 @@
 //! Which geometry lies in the world as it is, and which is placed: how kernels number triangles.
 
 use glam::{DAffine3, DMat3, Vec3};
-use midway_accel::{BuildOptions, Hit, Level, MAX_REFERENCES, MESH_OPTIONS, Placement, TwoLevel, Width};
+use midway_accel::{BuildOptions, Hit, Level, MAX_REFERENCES, Placement, TwoLevel, Width, mesh_options};
 use midway_device::DeviceKind;
 use midway_scene::{Bounds, PlacedMesh, Scene, WorldTriangle};
 use rayon::prelude::*;
@@ -168,7 +168,7 @@ impl<'a> World<'a> {
             let alone = self.scene.mesh_alone(mesh);
             let triangles: Vec<[Vec3; 3]> =
                 (0..alone.n_triangles()).into_par_iter().map(|t| alone.positions(t)).collect();
-            Level::build(width, &triangles, &[], &MESH_OPTIONS)
+            Level::build(width, &triangles, &[], &mesh_options(width))
         };
         let meshes = self.meshes.iter().map(bottom).collect::<Result<Vec<_>, _>>()?;
         let placements = self.placed().iter().map(|part| {

@@ -20,6 +20,8 @@ const PARALLEL_LEVELS: usize = 12;
 const LEAF: u8 = 0x80;
 /// In place of a split: the node itself takes the slot.
 const WHOLE: u8 = 0xff;
+/// The decisions for a leaf of the binary tree.
+const AS_LEAF: [u8; WIDTH] = [LEAF, WHOLE, WHOLE, WHOLE, WHOLE, WHOLE, WHOLE, 0];
 
 /// The decisions for each node of a binary tree whose leaves hold one reference each.
 pub(super) struct Collapse<'a> {
@@ -43,11 +45,23 @@ struct Cost {
 type Split = (usize, usize);
 
 impl<'a> Collapse<'a> {
-    /// Decides for all nodes; none where there are none, or where a leaf lies deeper than `max_depth`.
-    pub fn new(bvh: &'a Bvh2, max_leaf_size: u32, max_depth: usize) -> Option<Self> {
+    /// Decides for all nodes by what they cost; none where there are none, or where a leaf lies deeper than
+    /// `max_depth`.
+    pub fn by_cost(bvh: &'a Bvh2, max_leaf_size: u32, max_depth: usize) -> Option<Self> {
         let decisions = (0..bvh.nodes.len()).map(|_| AtomicU64::new(0)).collect();
         let collapse = Self { bvh, decisions, max_leaf_size, max_depth };
         if !bvh.nodes.is_empty() && collapse.decide(0, 0).is_some() { Some(collapse) } else { None }
+    }
+
+    /// Three levels of the binary tree a node, each reference in a leaf of its own: for a balanced tree, whose
+    /// third part it is as deep.
+    pub fn by_levels(bvh: &'a Bvh2) -> Self {
+        // Of m slots the left child has half, rounded up; each number is one less.
+        let halved = |more: usize| ((more << 3) | (more / 2)) as u8;
+        let as_node = std::array::from_fn(|more| if more == 0 { (N_SHARES / 2) as u8 } else { halved(more) });
+        let decision = |node: &Bvh2Node| u64::from_le_bytes(if node.is_leaf() { AS_LEAF } else { as_node });
+        let decisions = bvh.nodes.iter().map(|node| AtomicU64::new(decision(node))).collect();
+        Self { bvh, decisions, max_leaf_size: 1, max_depth: usize::MAX }
     }
 
     /// Decides for a subtree whose root is at `level`; none where it is too deep.
@@ -56,7 +70,7 @@ impl<'a> Collapse<'a> {
         let area = node.aabb().half_area();
         if node.is_leaf() {
             debug_assert_eq!(node.prim_count, 1);
-            self.keep(index, [LEAF, WHOLE, WHOLE, WHOLE, WHOLE, WHOLE, WHOLE, 0]);
+            self.keep(index, AS_LEAF);
             return Some(Cost { by_slots: [area * TRIANGLE_COST; N_SHARES], n_references: 1 });
         }
         if level >= self.max_depth {
@@ -236,7 +250,7 @@ mod tests {
             let bvh = topology::build_singles(&references, &normalisation, &options).expect("no clusters");
             for max_leaf_size in 1..=3 {
                 let theirs = bvh2_to_cwbvh(&bvh, max_leaf_size, true, false);
-                let collapse = Collapse::new(&bvh, max_leaf_size, usize::MAX).expect("not empty");
+                let collapse = Collapse::by_cost(&bvh, max_leaf_size, usize::MAX).expect("not empty");
                 let ours = pack(&collapse, &references);
                 let primitive = |&r: &u32| references[r as usize].primitive;
                 assert_eq!(
@@ -257,7 +271,7 @@ mod tests {
         let options = BuildOptions { max_leaf_size: 1, ..BuildOptions::default() };
         let (references, normalisation) = crate::collect(&triangles(500), &[], &options).expect("finite");
         let bvh = topology::build_singles(&references, &normalisation, &options).expect("no clusters");
-        let deepest = (1..64).find(|&depth| Collapse::new(&bvh, 3, depth).is_some()).expect("is that deep");
+        let deepest = (1..64).find(|&depth| Collapse::by_cost(&bvh, 3, depth).is_some()).expect("is that deep");
         fn depth(bvh: &Bvh2, index: u32) -> usize {
             let node = &bvh.nodes[index as usize];
             let below = |place| 1 + depth(bvh, node.first_index + place);

@@ -21,7 +21,7 @@ use obvhs::{
 
 use self::{collapse::Collapse, pack::pack};
 use crate::{
-    AccelError, BuildOptions, Statistics,
+    AccelError, BuildOptions, STACK_SIZE, Statistics, Width,
     references::{Normalisation, Reference},
     topology::{self, Tree, TreeNode},
 };
@@ -39,8 +39,7 @@ pub struct WideBvh {
     /// The triangle in each leaf slot; with spatial splits one may be in several leaves. From the
     /// number of triangles on: instances.
     pub primitives: Vec<u32>,
-    /// Nodes on the longest way from the root down; below [`crate::STACK_SIZE`], since each holds one of the
-    /// binary tree's at least.
+    /// Nodes on the longest way from the root down; below [`crate::WIDE_STACK_SIZE`].
     pub max_depth: usize,
     /// Around everything, padded; inverted where there is nothing.
     pub bounds: Bounds,
@@ -85,18 +84,27 @@ pub fn build_wide_with_instances(
     let start = Instant::now();
     let max_leaf_size = options.max_leaf_size.clamp(1, MAX_WIDE_LEAF);
     // A wide leaf is gathered from binary ones that hold one reference each.
-    let binary = BuildOptions { max_leaf_size: 1, ..*options };
+    let binary = BuildOptions { max_leaf_size: 1, max_depth: STACK_SIZE - 1, ..*options };
     let (references, normalisation) = crate::collect(triangles, instances, &binary)?;
+    if references.is_empty() {
+        return Ok(WideBvh::empty());
+    }
     let mut balanced_fallback = false;
-    let collapsed = |bvh: &Bvh2, max_depth: usize| {
-        Collapse::new(bvh, max_leaf_size as u32, max_depth).map(|collapse| pack(&collapse, &references))
+    let most = Width::Wide.max_depth(options);
+    let by_cost = |bvh: Bvh2| {
+        let collapse = Collapse::by_cost(&bvh, max_leaf_size as u32, binary.max_depth)?;
+        Some(pack(&collapse, &references)).filter(|wide| wide.max_depth <= most)
     };
     let singles = topology::build_singles(&references, &normalisation, &binary);
-    let wide = singles.and_then(|bvh| collapsed(&bvh, topology::max_depth(&binary))).or_else(|| {
+    let wide = singles.and_then(by_cost).or_else(|| {
         let tree = topology::build(&references, triangles.len(), &normalisation, &binary);
         balanced_fallback = tree.balanced_fallback;
-        // It is no deeper than it may be.
-        to_obvhs(&tree, &references, &normalisation).and_then(|bvh| collapsed(&bvh, usize::MAX))
+        by_cost(to_obvhs(&tree, &references, &normalisation)?)
+    });
+    let wide = wide.or_else(|| {
+        let tree = topology::balanced(&references, triangles.len(), &normalisation, &binary);
+        balanced_fallback = true;
+        Some(pack(&Collapse::by_levels(&to_obvhs(&tree, &references, &normalisation)?), &references))
     });
     let mut wide = wide.unwrap_or_else(WideBvh::empty);
     wide.statistics = Statistics {

@@ -5,7 +5,7 @@ use midway_scene::Bounds;
 
 use super::WideBvh;
 use crate::{
-    AccelError, Child, STACK_SIZE,
+    AccelError, Child, WIDE_STACK_SIZE,
     met::{Met, invalid},
 };
 
@@ -31,7 +31,7 @@ impl WideBvh {
         triangles: &[[Vec3; 3]],
         instances: &[Bounds],
     ) -> Result<(), AccelError> {
-        if self.nodes.is_empty() || self.max_depth >= STACK_SIZE {
+        if self.nodes.is_empty() || self.max_depth >= WIDE_STACK_SIZE {
             return invalid(format!("depth {} needs a larger stack", self.max_depth));
         }
         let met = Met::new(self.nodes.len(), self.primitives.len(), triangles, instances);

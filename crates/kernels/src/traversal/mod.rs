@@ -10,13 +10,13 @@ use std::{mem::MaybeUninit, ops::Range};
 use wgsl_cpu::runtime::{Storage, Vec3, Vec4};
 
 use crate::{
-    constants::{FAR_FACTOR, SLOT_CUTOUT, SLOT_INSTANCE, STACK_SIZE, TRIANGLE_STRIDE, WIDE_STRIDE},
+    constants::{FAR_FACTOR, SLOT_CUTOUT, SLOT_INSTANCE, TRIANGLE_STRIDE, WIDE_STACK_SIZE, WIDE_STRIDE},
     native::lib,
 };
 use boxes::{Boxes, Entry, Planes};
 
 /// Nodes that wait: of each level all but one of eight.
-const MOST_WAITING: usize = 7 * STACK_SIZE as usize + 1;
+const MOST_WAITING: usize = 7 * WIDE_STACK_SIZE as usize + 1;
 /// Bytes of a vec4.
 const VEC4: usize = 16;
 const NODE_BYTES: usize = WIDE_STRIDE as usize * VEC4;

@@ -12,8 +12,6 @@
 
 /// vec4 per leaf slot.
 const TRIANGLE_STRIDE: u32 = 3u;
-/// What waits; the builder keeps both levels together shallower.
-const STACK_SIZE: u32 = 64u;
 
 /// Nodes, then a record for each instance: three rows of mesh_from_world, with what moves the mesh; the
 /// mesh's root, and what is added to its triangles.

@@ -3,6 +3,8 @@
 
 /// vec4 per node: left min, left reference; left max, right reference; right min; right max.
 const BINARY_STRIDE: u32 = 4u;
+/// What waits; the builder keeps both levels together shallower.
+const STACK_SIZE: u32 = 64u;
 const LEAF_BIT: u32 = 0x80000000u;
 const LEAF_COUNT_MASK: u32 = 15u;
 /// Below the bottom of the stack, and where the ray leaves an instance: no leaf's references.

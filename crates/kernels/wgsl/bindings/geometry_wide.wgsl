@@ -1,10 +1,13 @@
 // Traversal of the wide hierarchy: eight children a node, whose boxes take a byte a plane (Ylitie, Karras
 // and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017). What a
 // ray meets of a node is two groups, each a base and bits: nodes, which are visited in the order of the
-// ray's octant, and leaf slots. crates/accel/src/wide/node.rs has the layout.
+// ray's octant, and leaf slots. One of these is looked at in each round, so that those of neighbours do not
+// wait for the longest list. crates/accel/src/wide/node.rs has the layout.
 
 /// vec4 per node.
 const WIDE_STRIDE: u32 = 5u;
+/// Groups that wait; the builder keeps both levels together shallower. A GPU clears all of it for each ray.
+const WIDE_STACK_SIZE: u32 = 32u;
 /// Bits of a group of nodes from here on say which are to be visited; its lowest byte says which children
 /// are nodes. A group of leaf slots has lower bits only.
 const FIRST_NODE_BIT: u32 = 0x01000000u;
@@ -87,12 +90,12 @@ fn group_node(group: vec2<u32>, bit: u32, octant: u32) -> u32 {
 fn closest_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit {
     var ray = world_ray(origin, direction);
     var hit = Hit(t_max, 0.0, 0.0, NONE);
-    var stack: array<vec2<u32>, STACK_SIZE>;
+    var stack: array<vec2<u32>, WIDE_STACK_SIZE>;
     var top = 0u;
     var group = vec2<u32>(0u, ROOT_GROUP);
+    var leaves = vec2<u32>(0u);
     loop {
-        var leaves = group;
-        if (group.y >= FIRST_NODE_BIT) {
+        if (leaves.y == 0u) {
             let bit = firstLeadingBit(group.y);
             let node = group_node(group, bit, ray.octant);
             group.y &= ~(1u << bit);
@@ -103,10 +106,8 @@ fn closest_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit 
             let met = visit_node(node, ray, hit.t);
             group = met.xy;
             leaves = met.zw;
-        } else {
-            group.y = 0u;
         }
-        while (leaves.y != 0u) {
+        if (leaves.y != 0u) {
             let place = firstLeadingBit(leaves.y);
             leaves.y &= ~(1u << place);
             let at = (leaves.x + place) * TRIANGLE_STRIDE;
@@ -126,7 +127,8 @@ fn closest_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit 
                 top += 1u;
                 ray = instance_ray(bitcast<u32>(v0.w), origin, direction);
                 group = vec2<u32>(ray.root, ROOT_GROUP);
-                break;
+                leaves.y = 0u;
+                continue;
             }
             let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < hit.t) {
@@ -136,16 +138,19 @@ fn closest_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit 
                 }
             }
         }
-        while (group.y < FIRST_NODE_BIT) {
+        while (leaves.y == 0u && group.y < FIRST_NODE_BIT) {
             if (top == 0u) {
                 return hit;
             }
             top -= 1u;
-            group = stack[top];
-            if (group.y != 0u) {
-                break;
+            let waiting = stack[top];
+            if (!may_have(FEATURE_INSTANCES) || waiting.y >= FIRST_NODE_BIT) {
+                group = waiting;
+            } else if (waiting.y != 0u) {
+                leaves = waiting;
+            } else {
+                ray = world_ray(origin, direction);
             }
-            ray = world_ray(origin, direction);
         }
     }
     return hit;
@@ -154,12 +159,12 @@ fn closest_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit 
 /// Whether any triangle lies at 0 < t < t_max.
 fn any_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
     var ray = world_ray(origin, direction);
-    var stack: array<vec2<u32>, STACK_SIZE>;
+    var stack: array<vec2<u32>, WIDE_STACK_SIZE>;
     var top = 0u;
     var group = vec2<u32>(0u, ROOT_GROUP);
+    var leaves = vec2<u32>(0u);
     loop {
-        var leaves = group;
-        if (group.y >= FIRST_NODE_BIT) {
+        if (leaves.y == 0u) {
             let bit = firstLeadingBit(group.y);
             let node = group_node(group, bit, ray.octant);
             group.y &= ~(1u << bit);
@@ -170,10 +175,8 @@ fn any_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
             let met = visit_node(node, ray, t_max);
             group = met.xy;
             leaves = met.zw;
-        } else {
-            group.y = 0u;
         }
-        while (leaves.y != 0u) {
+        if (leaves.y != 0u) {
             let place = firstLeadingBit(leaves.y);
             leaves.y &= ~(1u << place);
             let at = (leaves.x + place) * TRIANGLE_STRIDE;
@@ -193,7 +196,8 @@ fn any_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
                 top += 1u;
                 ray = instance_ray(bitcast<u32>(v0.w), origin, direction);
                 group = vec2<u32>(ray.root, ROOT_GROUP);
-                break;
+                leaves.y = 0u;
+                continue;
             }
             let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < t_max) {
@@ -203,16 +207,19 @@ fn any_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
                 }
             }
         }
-        while (group.y < FIRST_NODE_BIT) {
+        while (leaves.y == 0u && group.y < FIRST_NODE_BIT) {
             if (top == 0u) {
                 return false;
             }
             top -= 1u;
-            group = stack[top];
-            if (group.y != 0u) {
-                break;
+            let waiting = stack[top];
+            if (!may_have(FEATURE_INSTANCES) || waiting.y >= FIRST_NODE_BIT) {
+                group = waiting;
+            } else if (waiting.y != 0u) {
+                leaves = waiting;
+            } else {
+                ray = world_ray(origin, direction);
             }
-            ray = world_ray(origin, direction);
         }
     }
     return false;

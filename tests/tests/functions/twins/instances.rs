@@ -1,7 +1,7 @@
 //! Traversal through placed meshes, on both devices, against every copied triangle tried in f64.
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use midway_accel::{BuildOptions, Hierarchy, Level, MESH_OPTIONS, Placement, TwoLevel, Width};
+use midway_accel::{BuildOptions, Hierarchy, Level, Placement, TwoLevel, Width, mesh_options};
 use midway_tests::estimate::{cpu, gpu};
 
 use super::traversal::{Triangle, check_packed, instance_slot, mesh, rays, slots};
@@ -32,7 +32,7 @@ fn check_width(width: Width) {
     let all = mesh();
     let (ball, world) = all.split_at(all.len() - 62);
     let n_ball = ball.len() as u32;
-    let bottom = Level::build(width, ball, &[], &MESH_OPTIONS).expect("built");
+    let bottom = Level::build(width, ball, &[], &mesh_options(width)).expect("built");
     let options = BuildOptions::default();
     let top = TwoLevel::build(width, world, vec![bottom], placements(5), &options).expect("built");
     let mut copies: Vec<Triangle> = world.to_vec();
