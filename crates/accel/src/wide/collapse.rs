@@ -271,7 +271,8 @@ mod tests {
         let options = BuildOptions { max_leaf_size: 1, ..BuildOptions::default() };
         let (references, normalisation) = crate::collect(&triangles(500), &[], &options).expect("finite");
         let bvh = topology::build_singles(&references, &normalisation, &options).expect("no clusters");
-        let deepest = (1..64).find(|&depth| Collapse::by_cost(&bvh, 3, depth).is_some()).expect("is that deep");
+        let deepest =
+            (1..64).find(|&depth| Collapse::by_cost(&bvh, 3, depth).is_some()).expect("is that deep");
         fn depth(bvh: &Bvh2, index: u32) -> usize {
             let node = &bvh.nodes[index as usize];
             let below = |place| 1 + depth(bvh, node.first_index + place);

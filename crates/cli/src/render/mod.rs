@@ -12,16 +12,17 @@ mod schedule;
 mod session;
 mod watch;
 
-use std::{path::Path, time::Duration};
+use std::{panic::resume_unwind, path::Path, thread, time::Duration};
 
 use midway_device::{Bytes, MemoryPlan, OpenOptions, open_devices};
 use midway_film::{Display, ToneMap, check_writable};
+use midway_scene::Scene;
 
 use crate::{
     args::{IntegratorArg, RenderArgs, ToneMapArg},
     info,
     interrupt::Interrupt,
-    scene_file::{self, LoadedScene},
+    scene_file,
     status::{Failure, OrStatus, Outcome, Status},
 };
 
@@ -51,17 +52,15 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     args.errors.as_deref().map_or(Ok(()), check_writable)?;
     let interrupt = Interrupt::install()?;
     let reporter = Reporter::new(args.progress, args.quiet);
-    let mut loaded = scene_file::load_variant(&args.scene, args.variant.as_deref())?;
-    environment::replace(args, &mut loaded)?;
-    loaded.warnings().iter().for_each(|warning| reporter.warning(warning));
-    scene_file::group_lights(&mut loaded.scene, args.light_groups.as_ref())?;
-    if args.verbose {
-        info::to_lines(&loaded).iter().for_each(|line| reporter.note(line));
-    }
-    let LoadedScene { scene, .. } = loaded;
-    let frame = Frame::resolve(args, &scene)?;
     let options = OpenOptions { threads: args.threads.map(|n| n as usize), ..OpenOptions::default() };
-    let devices = open_devices(&args.device, &options).or_status(Status::Device)?;
+    // A driver takes as long to start as a scene to be read.
+    let (scene, devices) = thread::scope(|scope| {
+        let devices = scope.spawn(|| open_devices(&args.device, &options));
+        let scene = load(args, &reporter);
+        (scene, devices.join().unwrap_or_else(|panic| resume_unwind(panic)))
+    });
+    let (scene, devices) = (scene?, devices.or_status(Status::Device)?);
+    let frame = Frame::resolve(args, &scene)?;
     let new_meter = |reference: &Path| ErrorMeter::new(reference, args.errors.as_deref(), &frame);
     let meter = args.reference.as_deref().map(new_meter).transpose()?;
     let settings = job::settings(args, &frame);
@@ -97,6 +96,18 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
     };
     session.announce(&job, &frame)?;
     session.render(job, &interrupt)
+}
+
+/// The scene as the flags have it; tells what was left out of it.
+fn load(args: &RenderArgs, reporter: &Reporter) -> Outcome<Scene> {
+    let mut loaded = scene_file::load_variant(&args.scene, args.variant.as_deref())?;
+    environment::replace(args, &mut loaded)?;
+    loaded.warnings().iter().for_each(|warning| reporter.warning(warning));
+    scene_file::group_lights(&mut loaded.scene, args.light_groups.as_ref())?;
+    if args.verbose {
+        info::to_lines(&loaded).iter().for_each(|line| reporter.note(line));
+    }
+    Ok(loaded.scene)
 }
 
 /// 64 samples, unless something else says when to stop.

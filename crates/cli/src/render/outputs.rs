@@ -1,6 +1,10 @@
 //! Which files a render writes, and writing them.
 
-use std::path::{Path, PathBuf};
+use std::{
+    panic::resume_unwind,
+    path::{Path, PathBuf},
+    thread::{self, ScopedJoinHandle},
+};
 
 use midway_film::{Channel, Display, Framing, Image, Metadata, check_writable, write_exr_with, write_png};
 
@@ -50,8 +54,8 @@ impl Outputs {
         self.files.iter().any(|(_, format)| *format == Format::Exr)
     }
 
-    /// Writes every file, an EXR with the `channels` beside the image; if one fails the others are
-    /// still written.
+    /// Writes every file, all at once, an EXR with the `channels` beside the image; if one fails the
+    /// others are still written.
     ///
     /// # Errors
     /// [`Status::Output`], naming each file that failed.
@@ -66,8 +70,14 @@ impl Outputs {
             Format::Exr => write_exr_with(path, image, channels, framing, metadata),
             Format::Png => write_png(path, image, self.display, metadata),
         };
+        let outcomes: Vec<_> = thread::scope(|scope| {
+            let writing: Vec<_> = self.files.iter().map(|file| scope.spawn(|| write(file))).collect();
+            let finish =
+                |file: ScopedJoinHandle<'_, _>| file.join().unwrap_or_else(|panic| resume_unwind(panic));
+            writing.into_iter().map(finish).collect()
+        });
         let errors: Vec<String> =
-            self.files.iter().filter_map(|file| write(file).err()).map(|error| error.to_string()).collect();
+            outcomes.into_iter().filter_map(Result::err).map(|error| error.to_string()).collect();
         if errors.is_empty() { Ok(()) } else { Err(Failure::new(Status::Output, errors.join("; "))) }
     }
 }

@@ -1,8 +1,7 @@
 // Traversal of the wide hierarchy: eight children a node, whose boxes take a byte a plane (Ylitie, Karras
 // and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017). What a
 // ray meets of a node is two groups, each a base and bits: nodes, which are visited in the order of the
-// ray's octant, and leaf slots. One of these is looked at in each round, so that those of neighbours do not
-// wait for the longest list. crates/accel/src/wide/node.rs has the layout.
+// ray's octant, and leaf slots. crates/accel/src/wide/node.rs has the layout.
 
 /// vec4 per node.
 const WIDE_STRIDE: u32 = 5u;
@@ -107,7 +106,7 @@ fn closest_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit 
             group = met.xy;
             leaves = met.zw;
         }
-        if (leaves.y != 0u) {
+        while (leaves.y != 0u) {
             let place = firstLeadingBit(leaves.y);
             leaves.y &= ~(1u << place);
             let at = (leaves.x + place) * TRIANGLE_STRIDE;
@@ -128,7 +127,7 @@ fn closest_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> Hit 
                 ray = instance_ray(bitcast<u32>(v0.w), origin, direction);
                 group = vec2<u32>(ray.root, ROOT_GROUP);
                 leaves.y = 0u;
-                continue;
+                break;
             }
             let tuv = intersect_triangle(v0.xyz, e1.xyz, triangles[at + 2u].xyz, ray.origin, ray.direction);
             if (tuv.x > 0.0 && tuv.x < hit.t) {
@@ -176,6 +175,7 @@ fn any_hit_wide(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
             group = met.xy;
             leaves = met.zw;
         }
+        // One a round: rays beside this one that have none left go on meanwhile.
         if (leaves.y != 0u) {
             let place = firstLeadingBit(leaves.y);
             leaves.y &= ~(1u << place);
