@@ -4,7 +4,7 @@
 // not on who asks: in radiance mode wo leads to the camera, in importance mode wi does. f is made of
 // lobes in a local frame about a normal n(camera): ns, or what is nearest to it that faces the camera.
 //
-//   Facets, and what is transmitted: what a lobe would send to the wrong side of the surface is
+//   Facets, sheen, and what is transmitted: what a lobe would send to the wrong side of the surface is
 //   mirrored by it: f(camera, light) = lobe(light) + lobe(folded light). Nothing is lost.
 //   Bases (cosines): what is cut off, (1 - ng·n) / 2 of a cosine lobe, comes back by the cosine to ng.
 //

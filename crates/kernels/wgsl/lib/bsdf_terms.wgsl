@@ -184,8 +184,10 @@ fn seen_terms(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>, abou
         if (reflects && part != PART_FOLDED) {
             terms.f += weight * base_value(material, seen.front, o.aspect, i.aspect);
         }
-        if (reflects && part == PART_DIRECT) {
+        if (reflects && part != PART_CUT_OFF) {
             terms.f += weight * sheen_value(material, seen.front, o, i);
+        }
+        if (reflects && part == PART_DIRECT) {
             terms.pdf_rev += i.chances.reflected * INV_PI * dot(seen.ng, wo);
         }
     }
