@@ -5,7 +5,7 @@ use std::sync::Arc;
 use midway_device::{BoundKernel, Buffer, BufferUsage, Command, Device};
 use midway_film::{Channel, Image};
 
-use super::{Kept, Renderer};
+use super::{Renderer, kept::Kept};
 use crate::{
     RenderError, RenderSettings,
     buffers::{BufferSet, Pipelines, dispatch},

@@ -9,7 +9,10 @@ use std::sync::{
 use midway_kernels::constants as k;
 use midway_scene::{Camera, Scene};
 
-use super::{Kept, Renderer, make_film, n_light_paths, n_pixels, upload_words};
+use super::{
+    Renderer,
+    kept::{Kept, make_film, n_light_paths, n_pixels, upload_words},
+};
 use crate::{
     Join, RenderError, RenderSettings,
     batch::LaneUses,

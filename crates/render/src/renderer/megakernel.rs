@@ -7,7 +7,10 @@ use midway_device::{BoundKernel, Buffer, BufferUsage, Command, Device, DeviceKin
 use midway_film::Image;
 use midway_kernels::{constants as k, layout::Params};
 
-use super::{Kept, Renderer, make_film, read_image};
+use super::{
+    Renderer,
+    kept::{Kept, make_film, read_image},
+};
 use crate::{
     Crop, Join, RenderError,
     batch::{LaneTotals, read_totals},

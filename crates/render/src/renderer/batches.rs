@@ -1,0 +1,193 @@
+//! Batches: what lanes work through at a time.
+
+use std::{
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU32, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use midway_device::{Device, DeviceKind};
+use midway_kernels::layout::Params;
+
+use super::Renderer;
+use crate::{Join, RenderError, batch::Lane, sizes::reserved_slots};
+
+/// A GPU's list of commands aims to last at least this long, so that little time goes to waiting…
+const RUN_TARGET: Duration = Duration::from_millis(40);
+/// … and at most this long: of the many dispatches in it none then lasts 50 ms, and a desktop's
+/// watchdog never fires.
+const RUN_LIMIT: Duration = Duration::from_millis(100);
+
+/// Places of a pass that a lane works through at a time, with this many paths in flight at most.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Batch {
+    pub first: u32,
+    pub n_paths: u32,
+    pub n_places: u32,
+}
+
+impl Renderer {
+    /// Light and camera subpaths of one batch; in halves where the light paths did not fit.
+    pub(super) fn render_batch(
+        &self,
+        device: &dyn Device,
+        lane: &Lane,
+        params: Params,
+    ) -> Result<(), RenderError> {
+        let mut params = self.own_vertex_params(lane, params);
+        if self.pool.is_none() && self.settings.integrator.uses_light_paths() {
+            let n_vertices = lane.trace_light_paths(device, &params)?;
+            if params.append_transient == 0 {
+                if n_vertices > params.append_capacity {
+                    return self.render_halves(device, lane, params);
+                }
+                if self.settings.integrator.uses_splat() {
+                    lane.splat_light_vertices(device, n_vertices)?;
+                }
+            }
+        }
+        if self.settings.integrator.uses_camera_paths() {
+            params.append_transient = 0;
+            lane.trace_camera_paths(device, &params)?;
+        }
+        Ok(())
+    }
+
+    fn render_halves(&self, device: &dyn Device, lane: &Lane, params: Params) -> Result<(), RenderError> {
+        if params.n_places == 1 {
+            return Err(RenderError::PathTooLong { capacity: params.append_capacity });
+        }
+        let half = params.n_places / 2;
+        self.render_batch(device, lane, Params { n_places: half, ..params })?;
+        let (first_path, n_places) = (params.first_path + half, params.n_places - half);
+        self.render_batch(device, lane, Params { first_path, n_places, ..params })
+    }
+
+    /// Where a lane of its own appends light vertices.
+    fn own_vertex_params(&self, lane: &Lane, mut params: Params) -> Params {
+        if self.pool.is_none() {
+            let size = lane.size();
+            params.append_at = size.append_at;
+            params.append_capacity = size.append_capacity;
+            params.append_transient = u32::from(self.settings.integrator.joins() != Some(Join::Full));
+        }
+        params
+    }
+
+    /// Traces the light paths of a pass into the pool, projects them onto the film, and makes the
+    /// table that joins draw from.
+    pub(super) fn trace_pool(&self, params: &Params) -> Result<(), RenderError> {
+        let reserved = reserved_slots(&self.settings, params.n_light_paths);
+        let keeps_all = self.settings.integrator.join != Join::SingleStep;
+        let used: Vec<AtomicU32> = self.lanes.iter().map(|_| AtomicU32::new(0)).collect();
+        let lane_paths = params.n_light_paths.div_ceil(self.lanes.len() as u32);
+        self.for_each_lane(|device, index, lane| {
+            let size = lane.size();
+            let region = reserved + index as u32 * size.append_capacity;
+            let end = params.n_light_paths.min((index as u32 + 1) * lane_paths);
+            let mut first = index as u32 * lane_paths;
+            while first < end && !self.kept.stop.load(Ordering::Relaxed) {
+                let Batch { n_paths, n_places, .. } = self.next_batch(lane);
+                let n = n_places.min(end - first);
+                let at = used[index].load(Ordering::Relaxed);
+                let batch = Params {
+                    first_path: first,
+                    n_paths,
+                    n_places: n,
+                    append_at: region + at,
+                    append_capacity: size.append_capacity - at,
+                    append_transient: u32::from(!keeps_all),
+                    ..*params
+                };
+                let n_vertices = lane.trace_light_paths(device, &batch)?;
+                if keeps_all {
+                    if n_vertices > batch.append_capacity {
+                        return Err(RenderError::PathTooLong { capacity: size.append_capacity });
+                    }
+                    if self.settings.integrator.uses_splat() {
+                        lane.splat_light_vertices(device, n_vertices)?;
+                    }
+                    used[index].fetch_add(n_vertices, Ordering::Relaxed);
+                }
+                self.adapt_batch(n_paths, lane);
+                first += n;
+            }
+            Ok(())
+        })?;
+        match &self.pool {
+            Some((pool, _)) if keeps_all => pool.index(&*self.device, params),
+            _ => Ok(()),
+        }
+    }
+
+    /// Cuts places into batches and runs them on the lanes as these come free: at least one on each,
+    /// and no new ones once `time` has passed since `start`. Returns the end of those that were run.
+    pub(super) fn for_each_batch(
+        &self,
+        places: std::ops::Range<u32>,
+        start: Instant,
+        time: Duration,
+        run: impl Fn(&dyn Device, &Lane, Batch) -> Result<(), RenderError> + Sync,
+    ) -> Result<u32, RenderError> {
+        let (next, end) = (AtomicU32::new(places.start), places.end);
+        self.for_each_lane(|device, _, lane| {
+            while !self.kept.stop.load(Ordering::Relaxed) {
+                let most = self.next_batch(lane);
+                let claim = |first: u32| (first < end).then(|| first + most.n_places.min(end - first));
+                let Ok(first) = next.fetch_update(Ordering::Relaxed, Ordering::Relaxed, claim) else {
+                    return Ok(());
+                };
+                run(device, lane, Batch { first, n_places: most.n_places.min(end - first), ..most })?;
+                self.adapt_batch(most.n_paths, lane);
+                if start.elapsed() >= time {
+                    return Ok(());
+                }
+            }
+            Ok(())
+        })?;
+        Ok(next.into_inner())
+    }
+
+    /// How large a lane's next batch may be.
+    fn next_batch(&self, lane: &Lane) -> Batch {
+        let n_paths = self.batch.load(Ordering::Relaxed);
+        let size = lane.size();
+        Batch { first: 0, n_paths, n_places: n_paths * (size.n_places / size.n_paths) }
+    }
+
+    /// Doubles or halves a GPU's batch by how long its lists of commands took; any batch gives the
+    /// same samples.
+    fn adapt_batch(&self, n: u32, lane: &Lane) {
+        // A software GPU has no watchdog, and its lists take their time whatever they hold.
+        if self.device.info().kind != DeviceKind::Gpu {
+            return;
+        }
+        let longest = lane.take_longest_run();
+        let adapted = match longest {
+            _ if longest > RUN_LIMIT => (n / 2).max(1),
+            _ if longest < RUN_TARGET => (n * 2).min(lane.size().n_paths),
+            _ => n,
+        };
+        self.batch.store(adapted, Ordering::Relaxed);
+    }
+
+    /// Runs `work` once for each lane, at once where the device can; the first error counts.
+    fn for_each_lane(
+        &self,
+        work: impl Fn(&dyn Device, usize, &Lane) -> Result<(), RenderError> + Sync,
+    ) -> Result<(), RenderError> {
+        let failure = Mutex::new(None);
+        let run = |index: usize| {
+            if let Err(error) = work(&*self.device, index, &self.lanes[index]) {
+                failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+            }
+        };
+        // SAFETY: a lane writes its own buffers; the film, which all write, is atomic; a pool's
+        // vertices and paths are written by the lane that traces them, each at its own places, and
+        // read once all lanes are done.
+        unsafe { self.device.for_each_lane(&run) };
+        failure.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
+    }
+}
