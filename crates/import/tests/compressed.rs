@@ -109,8 +109,29 @@ fn basis_comes_to_its_picture() {
     }
     // ETC1S is coarse; another picture would be off by as much as the values are spread.
     assert!(error <= 0.25 * spread, "{error} of {spread}");
-    // Not of Basis: said, and done without.
+    // In blocks of another kind: said, and done without.
     let Some(plain) = shared(&format!("{folder}/2d_bc1.ktx2")) else { return };
     let import = load_json(&textured(json!({"uri": data_uri(&fs::read(plain).unwrap())}))).unwrap();
     assert!(import.warnings[0].message.contains("KTX2"), "{:?}", import.warnings);
+}
+
+/// Each is a word in white on the same green, in plain texels: bytes of two layouts, halves and floats.
+#[test]
+fn plain_texels_are_read() {
+    let folder = "gltf-transform/extensions";
+    for name in ["2d_rgba8", "2d_rgb8", "2d_rgba16_linear", "2d_rgba32_linear"] {
+        let Some(path) = shared(&format!("{folder}/{name}.ktx2")) else { return };
+        let import = load_json(&textured(json!({"uri": data_uri(&fs::read(path).unwrap())}))).unwrap();
+        assert_eq!(import.warnings, [], "{name}");
+        let image = &import.scene.images[0];
+        assert_eq!((image.width, image.height), (40, 40), "{name}");
+        assert_eq!(matches!(image.texels, Texels::Float(_)), name.ends_with("linear"), "{name}");
+        let is_green = |i: &usize| {
+            let found = image.texels.linear(*i);
+            // (77, 175, 74) of 255 by the sRGB curve, within half a step of 8 bits there.
+            found.iter().zip([0.0742, 0.4287, 0.0685, 1.0]).all(|(a, b)| (a - b).abs() < 2e-3)
+        };
+        let greens = (0..image.texels.len()).filter(is_green).count();
+        assert!(greens > image.texels.len() / 2, "{name}: {greens}");
+    }
 }

@@ -49,7 +49,7 @@ impl fmt::Display for Problem {
     }
 }
 
-const FORMATS: &str = "PNG, JPEG, WebP, HDR, EXR, KTX2 with Basis, TGA, BMP";
+const FORMATS: &str = "PNG, JPEG, WebP, HDR, EXR, KTX2, TGA, BMP";
 
 /// Values as the file has them, RGBA.
 pub(super) struct Decoded {
@@ -60,7 +60,7 @@ pub(super) struct Decoded {
     pub note: Option<&'static str>,
 }
 
-enum Values {
+pub(super) enum Values {
     Bytes(Arc<[[u8; 4]]>),
     Words(Arc<[[u16; 4]]>),
     Floats(Arc<[[f32; 4]]>),
@@ -148,8 +148,7 @@ pub(super) fn decode(bytes: &[u8], extension: Option<&str>) -> Result<Decoded, P
     let [width, height] = size(bytes, extension)?;
     let format = match Format::of(bytes, extension)? {
         Format::Ktx2 => {
-            let values = Values::Bytes(ktx::decode(bytes)?);
-            return Ok(Decoded { width, height, values, note: None });
+            return Ok(Decoded::from_values([width, height], ktx::decode(bytes, [width, height])?));
         }
         Format::Image(format) => format,
     };
@@ -173,21 +172,28 @@ fn ends_a_jpeg(bytes: &[u8]) -> bool {
 
 impl Decoded {
     fn from_pixels(pixels: DynamicImage) -> Self {
-        let (width, height) = (pixels.width(), pixels.height());
-        let mut note = None;
+        let size = [pixels.width(), pixels.height()];
         let values = match pixels.color() {
             ColorType::Rgb32F | ColorType::Rgba32F => {
-                let mut values = pixels.into_rgba32f().into_raw();
-                if make_finite(&mut values) {
-                    note = Some("texels that are NaN are taken as 0, infinite ones as 65504");
-                }
-                Values::Floats(values.as_chunks().0.into())
+                Values::Floats(pixels.into_rgba32f().into_raw().as_chunks().0.into())
             }
             ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
                 Values::Words(pixels.into_rgba16().into_raw().as_chunks().0.into())
             }
             _ => Values::Bytes(pixels.into_rgba8().into_raw().as_chunks().0.into()),
         };
+        Self::from_values(size, values)
+    }
+
+    /// As a file has them, floats made finite.
+    fn from_values([width, height]: [u32; 2], mut values: Values) -> Self {
+        let mut note = None;
+        if let Values::Floats(floats) = &mut values
+            && !floats.as_flattened().iter().all(|x| x.is_finite())
+        {
+            make_finite(Arc::make_mut(floats).as_flattened_mut());
+            note = Some("texels that are NaN are taken as 0, infinite ones as 65504");
+        }
         Self { width, height, values, note }
     }
 
@@ -229,14 +235,10 @@ fn linear_word(word: u16) -> u16 {
     (linear * 65535.0).round() as u16
 }
 
-/// Whether anything had to be changed.
-fn make_finite(values: &mut [f32]) -> bool {
-    let mut changed = false;
+fn make_finite(values: &mut [f32]) {
     for value in values.iter_mut().filter(|x| !x.is_finite()) {
         *value = if value.is_nan() { 0.0 } else { BRIGHTEST.copysign(*value) };
-        changed = true;
     }
-    changed
 }
 
 #[cfg(test)]
@@ -257,8 +259,7 @@ mod tests {
     #[test]
     fn what_is_not_finite_is_replaced() {
         let mut values = [1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
-        assert!(make_finite(&mut values));
+        make_finite(&mut values);
         assert_eq!(values, [1.0, 0.0, BRIGHTEST, -BRIGHTEST]);
-        assert!(!make_finite(&mut values));
     }
 }
