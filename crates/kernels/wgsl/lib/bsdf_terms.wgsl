@@ -100,7 +100,7 @@ fn transmitted_terms(material: Material, front: bool, o: Met, i: Met, facets: Bs
         return no_terms();
     }
     let eta = relative_index(material, front);
-    var bounces = material.ms_transmit * (o.aspect.loss_towards * i.aspect.loss_towards);
+    var bounces = material.ms_transmit * (o.aspect.loss * i.aspect.loss);
     if (bends(material)) {
         bounces *= max(1.0, eta * eta);
     }
@@ -117,7 +117,7 @@ fn transmitted_terms(material: Material, front: bool, o: Met, i: Met, facets: Bs
 fn base_value(material: Material, front: bool, o: Aspect, i: Aspect) -> vec3<f32> {
     var f = vec3<f32>(0.0);
     if (!is_smooth(material)) {
-        f = ms_at(material, front) * (o.loss_towards * i.loss_towards);
+        f = ms_at(material, front) * (o.loss * i.loss);
     }
     if (!has_layers(material, front)) {
         return f;
