@@ -31,7 +31,7 @@ const POWERS: usize = 6;
 /// Functions of the azimuth, from the rarer side and from the denser.
 const FUNCTIONS: [usize; 2] = [4, 5];
 /// Cells of means over the hemisphere, in the squared cosine and in a quarter turn.
-const MEAN_CELLS: usize = 48;
+const MEAN_CELLS: usize = 32;
 /// Numbers of an entry.
 const NUMBERS: usize = 4 * k::SOLID_STRIDE as usize;
 
@@ -98,7 +98,7 @@ impl Boundary {
     fn directions(&self) -> impl Iterator<Item = DVec3> {
         let larger = self.alpha[0];
         let grid = |n: usize, azimuths: usize| {
-            let root = move |i: usize| (i as f64 + 0.5) / n as f64;
+            let root = move |i: usize| (i as f64 + 0.5) / (n as f64 - 0.5); // the normal is one
             let azimuth = move |i: usize| i as f64 / (azimuths - 1) as f64 * FRAC_PI_2;
             (0..n * azimuths).map(move |i| (root(i / azimuths), azimuth(i % azimuths)))
         };
@@ -129,7 +129,7 @@ pub fn row(row: u32) -> Vec<[f64; NUMBERS]> {
             numbers[24 + 4 * power..28 + 4 * power].copy_from_slice(&terms[..4]);
             numbers[48 + power] = terms[4];
         }
-        [numbers[54], numbers[55]] = [rare.means[node].powf(0.25), dense.means[node].powf(0.25)];
+        [numbers[54], numbers[55]] = [rare.means[node], dense.means[node]];
         numbers
     };
     (0..(k::SOLID_RATIOS * k::SOLID_INDICES) as usize).map(entry).collect()
@@ -145,16 +145,19 @@ struct Sample {
 
 impl Sample {
     fn error(&self, coefficients: &[f64]) -> f64 {
-        let n = self.terms.len();
-        let dot = |node: usize| -> f64 {
-            self.terms.iter().zip(&coefficients[node * n..]).map(|(term, c)| term * c).sum()
-        };
-        let value: f64 = self.corners.iter().map(|&(node, weight)| weight * dot(node)).sum();
-        (value.clamp(0.0, 1.0) - self.loss).abs()
+        (value(&self.corners, &self.terms, coefficients) - self.loss).abs()
     }
 }
 
-/// Coefficients of all entries of one larger α, for a side.
+/// The loss between entries.
+fn value(corners: &[(usize, f64)], terms: &[f64], coefficients: &[f64]) -> f64 {
+    let of = |node: usize| -> f64 {
+        terms.iter().zip(&coefficients[node * terms.len()..]).map(|(term, c)| term * c).sum()
+    };
+    corners.iter().map(|&(node, weight)| weight * of(node)).sum::<f64>().clamp(0.0, 1.0)
+}
+
+/// Of all entries of one larger α, for a side: coefficients, and fourth roots of the mean losses.
 struct Fit {
     coefficients: Vec<f64>,
     n_terms: usize,
@@ -178,40 +181,49 @@ impl Fit {
             let scale = samples.len() as f64 / sum;
             samples.iter_mut().for_each(|sample| sample.weight *= scale);
         }
-        let mut fit = Self { coefficients, n_terms, means: Vec::new() };
-        let ratios = k::SOLID_RATIOS as usize;
-        fit.means = (0..ratios * k::SOLID_INDICES as usize)
-            .map(|node| {
-                let at = Boundary::at(larger, (node % ratios) as f64, (node / ratios) as f64);
-                fit.mean(node, at, dense)
+        let means: Vec<Sample> = places(larger)
+            .map(|(boundary, corners)| {
+                let loss = mean(boundary, dense, &corners, &coefficients).powf(0.25);
+                Sample { corners, terms: vec![1.0], loss, weight: 1.0 }
             })
             .collect();
-        fit
+        Self { coefficients, n_terms, means: solve(&means, 1) }
     }
 
     fn node(&self, node: usize) -> &[f64] {
         &self.coefficients[node * self.n_terms..(node + 1) * self.n_terms]
     }
-
-    /// The mean over the hemisphere of what an entry says is lost, weighted by the cosine.
-    fn mean(&self, node: usize, at: Boundary, dense: bool) -> f64 {
-        let n = MEAN_CELLS;
-        let place = |i: usize| (i as f64 + 0.5) / n as f64;
-        let value = |i: usize| {
-            let wo = direction(place(i % n).sqrt(), place(i / n) * FRAC_PI_2);
-            let terms = at.terms(wo, dense);
-            terms.iter().zip(self.node(node)).map(|(term, c)| term * c).sum::<f64>().clamp(0.0, 1.0)
-        };
-        (0..n * n).map(value).sum::<f64>() / (n * n) as f64
-    }
 }
 
-/// At all entries of a larger α and half way between them.
+/// The mean over the hemisphere of what is found lost, weighted by the cosine.
+fn mean(at: Boundary, dense: bool, corners: &[(usize, f64)], coefficients: &[f64]) -> f64 {
+    let n = MEAN_CELLS;
+    let place = |i: usize| (i as f64 + 0.5) / n as f64;
+    let of = |i: usize| {
+        let wo = direction(place(i % n).sqrt(), place(i / n) * FRAC_PI_2);
+        value(corners, &at.terms(wo, dense), coefficients)
+    };
+    (0..n * n).map(of).sum::<f64>() / (n * n) as f64
+}
+
 fn samples(larger: f64, dense: bool) -> Vec<Sample> {
+    let at = |(boundary, corners): (Boundary, Vec<(usize, f64)>)| {
+        let sample = move |wo| Sample {
+            corners: corners.clone(),
+            terms: boundary.terms(wo, dense),
+            loss: boundary.loss(wo, dense, CELLS),
+            weight: 1.0,
+        };
+        boundary.directions().map(sample).collect::<Vec<_>>()
+    };
+    places(larger).flat_map(at).collect()
+}
+
+/// All entries of a larger α and what is half way between them, with the entries that it is read from.
+fn places(larger: f64) -> impl Iterator<Item = (Boundary, Vec<(usize, f64)>)> {
     let half_steps = |n: u32| (0..2 * n - 1).map(|i| (i as usize / 2, f64::from(i % 2) / 2.0));
-    let mut samples = Vec::new();
-    for (index, t) in half_steps(k::SOLID_INDICES) {
-        for (ratio, u) in half_steps(k::SOLID_RATIOS) {
+    half_steps(k::SOLID_INDICES).flat_map(move |(index, t)| {
+        half_steps(k::SOLID_RATIOS).map(move |(ratio, u)| {
             let boundary = Boundary::at(larger, ratio as f64 + u, index as f64 + t);
             let node = |i: usize, r: usize| (index + i) * k::SOLID_RATIOS as usize + ratio + r;
             let corners = [
@@ -220,16 +232,9 @@ fn samples(larger: f64, dense: bool) -> Vec<Sample> {
                 (node(1, 0), t * (1.0 - u)),
                 (node(1, 1), t * u),
             ];
-            let corners: Vec<_> = corners.into_iter().filter(|&(_, weight)| weight > 0.0).collect();
-            samples.extend(boundary.directions().map(|wo| Sample {
-                corners: corners.clone(),
-                terms: boundary.terms(wo, dense),
-                loss: boundary.loss(wo, dense, CELLS),
-                weight: 1.0,
-            }));
-        }
-    }
-    samples
+            (boundary, corners.into_iter().filter(|&(_, weight)| weight > 0.0).collect())
+        })
+    })
 }
 
 /// Least squares over all entries at once: normal equations in a band, by Cholesky.

@@ -92,23 +92,24 @@ pub fn raw(kind: u32) -> RawMaterial {
 
 /// A material of a record, with curves from the tables as `bindings/material.wgsl` reads them.
 pub fn finish(raw: RawMaterial) -> Material {
-    let alpha = lib::mean_alpha(lib::interface_alpha(raw));
+    let both = lib::interface_alpha(raw);
     let sheen = alpha_curve(lib::CURVE_SHEEN, lib::sheen_alpha(raw));
     let of_coat = |curve| alpha_curve(curve, lib::coat_alpha(raw));
     let coat = lib::schlick_albedo(lib::COAT_F0, of_coat(lib::CURVE_LOSS), of_coat(lib::CURVE_GRAZING));
     let mut albedos = Albedos { sheen, coat, ..lib::no_albedos() };
-    if alpha > 0.0 {
+    if both.x > 0.0 {
+        if lib::has_stretched_curves(both, raw.flags) {
+            return lib::finish_material(raw, stretched(albedos, both));
+        }
+        if lib::has_solid_losses(both, raw.flags) {
+            return lib::finish_material(raw, solid(albedos, both, raw.ior));
+        }
+        let alpha = both.x;
         let [front, back] = if raw.ior > 1.0 {
             [lib::CURVE_RARE_LOSS, lib::CURVE_DENSE_LOSS]
         } else {
             [lib::CURVE_DENSE_LOSS, lib::CURVE_RARE_LOSS]
         };
-        if lib::has_stretched_curves(lib::interface_alpha(raw), raw.flags) {
-            return lib::finish_material(raw, stretched(albedos, lib::interface_alpha(raw)));
-        }
-        if lib::has_solid_losses(lib::interface_alpha(raw), raw.flags) {
-            return lib::finish_material(raw, solid(albedos, lib::interface_alpha(raw), raw.ior));
-        }
         (albedos.a, albedos.b) = if lib::needs_dielectric_losses(raw) {
             (index_curve(front, alpha, raw.ior), index_curve(back, alpha, raw.ior))
         } else if raw.kind == lib::SURFACE_PLASTIC {

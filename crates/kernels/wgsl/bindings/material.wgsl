@@ -62,20 +62,21 @@ fn load_albedos(raw: RawMaterial) -> Albedos {
         let coat = coat_alpha(raw);
         albedos.coat = schlick_albedo(COAT_F0, load_alpha_curve(CURVE_LOSS, coat), load_alpha_curve(CURVE_GRAZING, coat));
     }
-    let alpha = mean_alpha(interface_alpha(raw));
-    if (!may_have(FEATURE_ROUGHNESS) || alpha == 0.0) {
+    let both = interface_alpha(raw);
+    if (!may_have(FEATURE_ROUGHNESS) || both.x == 0.0) {
         return albedos;
     }
-    if (has_solid_losses(interface_alpha(raw), raw.flags)) {
-        return add_solid(albedos, interface_alpha(raw), raw.ior);
+    if (has_solid_losses(both, raw.flags)) {
+        return add_solid(albedos, both, raw.ior);
     }
+    if (has_stretched_curves(both, raw.flags)) {
+        return add_stretched(albedos, both);
+    }
+    let alpha = both.x;
     if (needs_dielectric_losses(raw)) {
         albedos.a = load_index_curve(select(CURVE_DENSE_LOSS, CURVE_RARE_LOSS, raw.ior > 1.0), alpha, raw.ior);
         albedos.b = load_index_curve(select(CURVE_RARE_LOSS, CURVE_DENSE_LOSS, raw.ior > 1.0), alpha, raw.ior);
         return albedos;
-    }
-    if (has_stretched_curves(interface_alpha(raw), raw.flags)) {
-        return add_stretched(albedos, interface_alpha(raw));
     }
     albedos.a = load_alpha_curve(CURVE_LOSS, alpha);
     if (is_kind(raw.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {

@@ -54,7 +54,7 @@ const SOLID_AT: u32 = STRETCHED_AT + ALBEDO_ALPHAS * ALBEDO_RATIOS * STRETCHED_S
 /// Entries of the fourth table, by the two α as in the third and, fastest but for the ratio, by the index.
 const SOLID_ALPHAS: u32 = 10u;
 const SOLID_INDICES: u32 = 8u;
-const SOLID_RATIOS: u32 = 5u;
+const SOLID_RATIOS: u32 = 6u;
 /// vec4 of an entry. Of each power of the root, the first first: factors of (1, x, x², blend) from the
 /// rarer side; of (1, x, x², x³) from the denser. Six factors of the denser's blend; the fourth roots of the mean losses from the
 /// rarer side and from the denser.

@@ -157,19 +157,6 @@ fn has_solid_losses(alpha: vec2<f32>, flags: u32) -> bool {
     return may_have(FEATURE_STRETCHED_SOLIDS) && alpha.x != alpha.y && has_inside(flags);
 }
 
-/// α of the isotropic surface that loses as much as an anisotropic one, seen along the normal: the mean
-/// square's root, up to MODERATE_STRETCH; beyond it no isotropic one is alike, and it nears the mean.
-fn mean_alpha(alpha: vec2<f32>) -> f32 {
-    return mix(0.5 * (alpha.x + alpha.y), sqrt(0.5 * dot(alpha, alpha)), stretch_known(alpha));
-}
-
-/// How far the two α may be apart for what is lost to be about that of one (by quadrature).
-const MODERATE_STRETCH: f32 = 2.5;
-
-fn stretch_known(alpha: vec2<f32>) -> f32 {
-    return saturate(MODERATE_STRETCH * min(alpha.x, alpha.y) / max(max(alpha.x, alpha.y), MIN_ALPHA));
-}
-
 fn coat_alpha(raw: RawMaterial) -> f32 {
     return ggx_alpha(vec2<f32>(raw.k_or_coat.y), true).x;
 }
