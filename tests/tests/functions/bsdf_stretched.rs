@@ -17,8 +17,8 @@ const TOLERANCE_OF_BASES: f64 = 0.04;
 /// 0.038 at worst (quadrature; by 0.011 and 0.021 where there is one α).
 const TOLERANCE_OF_COATS: f64 = 0.025;
 const TOLERANCE_OF_SHEENS: f64 = 0.04;
-/// What solids may lose or give back too much of at the edge of total reflection, where facets of a larger α
-/// near 1 have a smaller under a twentieth of it.
+/// What solids may take or add where the smaller α is under a tenth of the larger: their losses change
+/// suddenly at the edge of total reflection.
 const TOLERANCE_AT_EDGES: f64 = 0.03;
 /// Cells along each side of the square of numbers that a loss is computed from.
 const CELLS: usize = 96;
@@ -177,7 +177,7 @@ fn stretched_surfaces_of_other_kinds_are_white() {
 
 /// Pairs of α: of KHR_materials_anisotropy (roughness and strength 0.2 and 1, 0.5 and 0.7, 0.2 and 0.5, 0.7
 /// and 0.9), and others, of which the larger may be either.
-const SOLID_ALPHAS: [(f64, f64); 10] = [
+const SOLID_ALPHAS: [(f64, f64); 11] = [
     (1.0, 0.04),
     (1.0, 0.0025),
     (0.6175, 0.25),
@@ -187,17 +187,36 @@ const SOLID_ALPHAS: [(f64, f64); 10] = [
     (0.1, 0.02),
     (0.05, 0.7),
     (0.3, 0.27),
+    (0.1, 0.5),
     (0.005, 0.001),
 ];
 const INDICES: [f64; 7] = [1.1, 1.2, 1.33, 1.5, 1.8, 2.1, 2.5];
 
-/// What is found lost, of either side and whichever of them is the denser, against quadrature.
+/// By how much the stored means of the losses, from the rarer side and from the denser, are under the
+/// losses' means: what is given back is the loss times one of them.
+fn mean_ratios(material: Material) -> [f64; 2] {
+    let cells = 48;
+    let place = |i: usize| (i as f64 + 0.5) / cells as f64;
+    let n = cells * cells;
+    let stored = [material.curves.stretch.z, material.curves.stretch.w].map(|root| f64::from(root).powi(4));
+    [false, true].map(|dense| {
+        let of = |i: usize| {
+            let w = wo(place(i % cells).sqrt(), 90.0 * place(i / cells));
+            f64::from(lib::loss_at(material, !dense, single(w)))
+        };
+        (0..n).map(of).sum::<f64>() / n as f64 / stored[usize::from(dense)]
+    })
+}
+
+/// What is given back, on either side and whichever of them is the denser, against what is lost by
+/// quadrature.
 #[test]
-fn solids_lose_what_quadrature_says() {
+fn solids_give_back_what_quadrature_says_is_lost() {
     for alpha in SOLID_ALPHAS {
         let mut worst = [(0.0, String::new()), (0.0, String::new())];
         for n in INDICES {
             let [below, above] = [n, 1.0 / n].map(|ior| finish(glass(alpha, ior)));
+            let ratios = mean_ratios(below);
             let boundary = boundary(alpha, n);
             for (cosine, azimuth) in COSINES.iter().flat_map(|&c| AZIMUTHS.map(|a| (c, a))) {
                 let larger_along = wo(cosine, azimuth);
@@ -205,9 +224,9 @@ fn solids_lose_what_quadrature_says() {
                 let w = single(if alpha.0 > alpha.1 { larger_along } else { turned });
                 for dense in [false, true] {
                     let loss = boundary.loss(larger_along, dense, CELLS);
-                    let found = [lib::loss_at(below, !dense, w), lib::loss_at(above, dense, w)];
+                    let found = [lib::loss_at(below, !dense, w), lib::loss_at(above, dense, w)].map(f64::from);
                     assert!((found[0] - found[1]).abs() <= 2e-5, "either side is as the other: {found:?}");
-                    let error = (f64::from(found[0]) - loss).abs();
+                    let error = ratios.map(|ratio| (ratio * found[0] - loss).abs()).into_iter().fold(0.0, f64::max);
                     let side = &mut worst[usize::from(dense)];
                     if !(error <= side.0) {
                         *side = (error, format!("{loss:.3} is {error:.4} off at n {n}, {cosine}, {azimuth}°"));
@@ -216,46 +235,20 @@ fn solids_lose_what_quadrature_says() {
             }
         }
         println!("{alpha:?}: {worst:?}");
-        let edge = alpha.0.min(alpha.1) < 0.05 * alpha.0.max(alpha.1);
+        let edge = alpha.0.min(alpha.1) < 0.1 * alpha.0.max(alpha.1);
         let tolerance = if edge { TOLERANCE_AT_EDGES } else { TOLERANCE };
         assert!(worst.iter().all(|(error, _)| *error <= tolerance), "α {alpha:?}: {worst:?}");
     }
 }
 
-/// The means that multiple bounces are divided by are those of the losses: an error would be one of all
-/// that is given back.
-#[test]
-fn means_of_solids_are_those_of_their_losses() {
-    for alpha in SOLID_ALPHAS {
-        for n in INDICES {
-            let material = finish(glass(alpha, n));
-            let roots = material.curves.stretch;
-            for (dense, root) in [(false, roots.z), (true, roots.w)] {
-                let cells = 64;
-                let place = |i: usize| (i as f64 + 0.5) / cells as f64;
-                let at = |i: usize| {
-                    let w = wo(place(i % cells).sqrt(), 90.0 * place(i / cells));
-                    f64::from(lib::loss_at(material, !dense, single(w)))
-                };
-                let mean = (0..cells * cells).map(at).sum::<f64>() / (cells * cells) as f64;
-                let most = (0..cells * cells).map(at).fold(0.0, f64::max);
-                // What is given back is the loss times what the mean is too little by.
-                let error = most * (mean / f64::from(root).powi(4) - 1.0).abs();
-                println!("{alpha:?}, n {n}, dense {dense}: {mean:.5}, {error:.4}");
-                assert!(error <= 0.01, "α {alpha:?}, n {n}, dense {dense}: {mean}, {error} of it");
-            }
-        }
-    }
-}
-
-/// From both sides; as a dielectric and as metallic-roughness that transmits.
+/// From both sides and in both modes.
 #[test]
 fn stretched_solids_are_white() {
     let mut random = Random::new(124);
     for alpha in [(1.0, 0.04), (0.6175, 0.25), (0.04, 0.28), (0.907, 0.49), (0.02, 0.1)] {
         for ior in [1.1, 1.5, 1.0 / 1.5, 2.5] {
             let name = format!("glass {alpha:?}, index {ior}");
-            let edge = alpha.1 < 0.05 * alpha.0;
+            let edge = alpha.1 < 0.1 * alpha.0;
             let tolerance = if edge { TOLERANCE_AT_EDGES } else { TOLERANCE };
             assert_white(&name, glass(alpha, ior), tolerance, &mut random);
         }

@@ -72,8 +72,6 @@ pub fn all() -> Vec<Model> {
         model("glass 1", rough(solid(glass, 1.5), 1.0, 1.0), 0.02),
         model("diamond 0.4", rough(solid(glass, 2.4), 0.4, 0.4), 0.02),
         model("bubble 0.4", rough(solid(glass, 1.0 / 1.33), 0.4, 0.4), 0.02),
-        model("glass 0.2 by 0.6", rough(solid(glass, 1.5), 0.2, 0.6), 0.02),
-        model("bubble 0.5 by 0.1", rough(solid(glass, 1.0 / 1.33), 0.5, 0.1), 0.02),
         model("sheet 0.3", rough(glass, 0.3, 0.3), 0.02),
         model("sheet 0.9", rough(glass, 0.9, 0.9), 0.02),
         model("plastic 0", plastic, 0.02),
@@ -98,7 +96,6 @@ pub fn all() -> Vec<Model> {
         model("thin, roughness 0.6", rough(clear, 0.6, 0.6), 0.02),
         model("half thin", RawMaterial { transmission: 0.5, ..rough(clear, 0.6, 0.6) }, 0.02),
         model("volume, roughness 0.6", rough(solid(clear, 1.5), 0.6, 0.6), 0.03),
-        model("brushed volume", rough(stretched(solid(clear, 1.5), 0.7), 0.4, 0.4), 0.03),
         model("coated thin, smooth", coated(RawMaterial { transmission: 0.5, ..clear }, 0.7, 0.0), 0.05),
         model("coat 0 apart on dielectric", coated_apart(rough(pbr, 0.6, 0.6), 1.0, 0.0), 0.05),
         model(
@@ -112,5 +109,8 @@ pub fn all() -> Vec<Model> {
             0.05,
         ),
         model("coat 0.3 apart on velvet", coated_apart(rough(velvet, 0.8, 0.8), 0.8, 0.3), 0.05),
+        model("glass 0.2 by 0.6", rough(solid(glass, 1.5), 0.2, 0.6), 0.02),
+        model("bubble 0.7 by 0.3", rough(solid(glass, 1.0 / 1.33), 0.7, 0.3), 0.02),
+        model("brushed volume", rough(stretched(solid(clear, 1.5), 0.7), 0.5, 0.5), 0.03),
     ]
 }

@@ -10,9 +10,9 @@
 // Facets of two α between dielectrics (tests/src/stretched_solid.rs): polynomials of degree 5 in the root
 // of the same place, times functions of the azimuth: powers of x = 1 / n′ and the blend. What facets
 // without a smaller α do is a problem in their plane alone, of the index n′ = √((n² - p²) / (1 - p²)), p
-// the index times the part of the direction across (which refraction keeps), where p < 1; beyond, from the denser side, they
-// are a mirror's (x = 0). Losses are within 0.02 of quadrature, at a smaller α under a twentieth of one
-// near 1 within 0.03.
+// the index times the part of the direction across (which refraction keeps), where p < 1; beyond, from
+// the denser side, they are a mirror's (x = 0). What is given back is within 0.02 of what quadrature says is
+// lost, where the smaller α is under a tenth of the larger within 0.03.
 
 struct Curve {
     /// Coefficients of (√μ)⁰ … (√μ)³.
@@ -51,17 +51,17 @@ const INDEX_CURVES_AT: u32 = ALBEDO_ALPHAS * N_ALPHA_CURVES * 2u;
 const STRETCHED_AT: u32 = INDEX_CURVES_AT + ALBEDO_ALPHAS * ALBEDO_INDICES * N_INDEX_CURVES * 2u;
 const SOLID_AT: u32 = STRETCHED_AT + ALBEDO_ALPHAS * ALBEDO_RATIOS * STRETCHED_STRIDE;
 
-/// Entries of the fourth table, by the two α as in the third and, fastest but for the ratio, by the index.
-const SOLID_ALPHAS: u32 = 10u;
+/// Entries of the fourth table: by the two α as in the third, and by the index; the ratio is innermost.
+const SOLID_ALPHAS: u32 = 14u;
 const SOLID_INDICES: u32 = 8u;
 const SOLID_RATIOS: u32 = 6u;
 /// vec4 of an entry. Of each power of the root, the first first: factors of (1, x, x², blend) from the
-/// rarer side; of (1, x, x², x³) from the denser. Six factors of the denser's blend; the fourth roots of the mean losses from the
-/// rarer side and from the denser.
+/// rarer side; of (1, x, x², x³) from the denser. Six factors of the denser's blend; the fourth roots of
+/// the mean losses from the rarer side and from the denser.
 const SOLID_STRIDE: u32 = 14u;
 /// Closer indices lose as this one.
 const MIN_SOLID_INDEX: f32 = 1.03;
-/// How early the blend is, over the ratio; how wide the edge of total reflection is over the smaller α (both fitted).
+/// q of the blend over the ratio; how wide the edge of total reflection is over the smaller α (tried).
 const SOLID_BLEND: f32 = 0.6;
 const SOLID_SMOOTHING: f32 = 0.7;
 

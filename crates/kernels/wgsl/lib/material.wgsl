@@ -69,8 +69,8 @@ struct Albedos {
     /// cosines, the mean loss.
     across: Curve,
     stretch: vec4<f32>,
-    /// Of stretched solids (`has_solid_losses`), an entry of the fourth table in its order: a, b and `across` from
-    /// the rarer side; these from the denser, and `stretch` last.
+    /// Of stretched solids (`has_solid_losses`), an entry of the fourth table in its order: a, b and
+    /// `across` from the rarer side; these from the denser; `stretch` last.
     dense_low: Curve,
     dense_mid: Curve,
     dense_high: Curve,
