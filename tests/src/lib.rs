@@ -14,3 +14,4 @@ pub mod shapes;
 pub mod shared;
 pub mod statistics;
 pub mod stretched;
+pub mod stretched_solid;

@@ -30,9 +30,10 @@ fn material_features(material: &Material) -> u32 {
         (material.surface.ior_spread() > 0.0, k::FEATURE_DISPERSION),
         (has_coat_normal(material), k::FEATURE_COAT_NORMALS),
     ];
-    set.iter()
-        .filter(|(has, _)| *has)
-        .fold(surface_features(&material.surface) | inside, |all, (_, feature)| all | feature)
+    let surface = surface_features(&material.surface);
+    let stretched = surface & k::FEATURE_ANISOTROPY != 0;
+    let solid = if stretched && inside != 0 { k::FEATURE_STRETCHED_SOLIDS } else { 0 };
+    set.iter().filter(|(has, _)| *has).fold(surface | inside | solid, |all, (_, feature)| all | feature)
 }
 
 /// Whether a coat's normals are not those of the surface below.

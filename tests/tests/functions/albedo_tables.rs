@@ -3,7 +3,7 @@
 use midway_kernels::{ALBEDO_TABLES, constants as k};
 use midway_tests::{
     albedo::{self, Curve, TERMS},
-    stretched,
+    stretched, stretched_solid,
 };
 
 /// The test computes one entry of so many: all of them take 30 s.
@@ -11,6 +11,11 @@ const EVERY: usize = 17;
 /// Numbers of the first two tables, and of an entry of the third.
 const N_OF_CURVES: usize = 4 * k::STRETCHED_AT as usize;
 const N_OF_STRETCHED: usize = 4 * k::STRETCHED_STRIDE as usize;
+/// Numbers of the first three tables, and of a row of the fourth, whose entries are fitted together.
+const N_BEFORE_SOLID: usize = 4 * k::SOLID_AT as usize;
+const N_OF_SOLID_ROW: usize = 4 * (k::SOLID_STRIDE * k::SOLID_RATIOS * k::SOLID_INDICES) as usize;
+/// The row that the test computes: α 0.48.
+const ROW: u32 = 9;
 
 fn stored_numbers() -> Vec<f64> {
     let (floats, rest) = ALBEDO_TABLES.as_chunks::<4>();
@@ -29,7 +34,8 @@ fn tables_are_those_of_the_definitions() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/kernels/src/albedo.bin");
         let numbers = albedo::tables(1).into_iter().flatten();
         let all = numbers.chain(stretched::table(1).into_iter().flat_map(|entry| entry.numbers()));
-        std::fs::write(path, albedo::bytes(all)).expect("the tables are written");
+        let solid = (0..k::SOLID_ALPHAS).flat_map(stretched_solid::row).flatten();
+        std::fs::write(path, albedo::bytes(all.chain(solid))).expect("the tables are written");
         return;
     }
     let computed = albedo::tables(EVERY);
@@ -48,7 +54,7 @@ fn tables_are_those_of_the_definitions() {
 #[test]
 fn the_stretched_table_is_that_of_the_definitions() {
     let stored = stored_numbers();
-    let entries = stored[N_OF_CURVES..].chunks(N_OF_STRETCHED).step_by(EVERY);
+    let entries = stored[N_OF_CURVES..N_BEFORE_SOLID].chunks(N_OF_STRETCHED).step_by(EVERY);
     let computed = stretched::table(EVERY);
     assert_eq!(entries.len(), computed.len());
     for (i, (stored, computed)) in entries.zip(&computed).enumerate() {
@@ -57,6 +63,18 @@ fn the_stretched_table_is_that_of_the_definitions() {
             let error = (stored - computed).abs();
             assert!(error <= 1e-4 * computed.abs().max(1.0), "entry {i}, number {at}: off by {error}");
         }
+    }
+}
+
+/// And of those between dielectrics.
+#[test]
+fn the_solid_table_is_that_of_the_definitions() {
+    let stored = &stored_numbers()[N_BEFORE_SOLID + ROW as usize * N_OF_SOLID_ROW..][..N_OF_SOLID_ROW];
+    let computed: Vec<f64> = stretched_solid::row(ROW).into_iter().flatten().collect();
+    assert_eq!(stored.len(), computed.len());
+    for (i, (stored, computed)) in stored.iter().zip(computed).enumerate() {
+        let error = (stored - computed).abs();
+        assert!(error <= 1e-4 * computed.abs().max(1.0), "number {i}: {stored}, not {computed}");
     }
 }
 

@@ -111,5 +111,8 @@ pub fn all() -> Vec<Model> {
             0.05,
         ),
         model("coat 0.3 apart on velvet", coated_apart(rough(velvet, 0.8, 0.8), 0.8, 0.3), 0.05),
+        model("glass 0.2 by 0.6", rough(solid(glass, 1.5), 0.2, 0.6), 0.02),
+        model("bubble 0.7 by 0.3", rough(solid(glass, 1.0 / 1.33), 0.7, 0.3), 0.02),
+        model("brushed volume", rough(stretched(solid(clear, 1.5), 0.7), 0.5, 0.5), 0.03),
     ]
 }

@@ -92,20 +92,24 @@ pub fn raw(kind: u32) -> RawMaterial {
 
 /// A material of a record, with curves from the tables as `bindings/material.wgsl` reads them.
 pub fn finish(raw: RawMaterial) -> Material {
-    let alpha = lib::mean_alpha(lib::interface_alpha(raw));
+    let both = lib::interface_alpha(raw);
     let sheen = alpha_curve(lib::CURVE_SHEEN, lib::sheen_alpha(raw));
     let of_coat = |curve| alpha_curve(curve, lib::coat_alpha(raw));
     let coat = lib::schlick_albedo(lib::COAT_F0, of_coat(lib::CURVE_LOSS), of_coat(lib::CURVE_GRAZING));
     let mut albedos = Albedos { sheen, coat, ..lib::no_albedos() };
-    if alpha > 0.0 {
+    if both.x > 0.0 {
+        if lib::has_stretched_curves(both, raw.flags) {
+            return lib::finish_material(raw, stretched(albedos, both));
+        }
+        if lib::has_solid_losses(both, raw.flags) {
+            return lib::finish_material(raw, solid(albedos, both, raw.ior));
+        }
+        let alpha = 0.5 * (both.x + both.y);
         let [front, back] = if raw.ior > 1.0 {
             [lib::CURVE_RARE_LOSS, lib::CURVE_DENSE_LOSS]
         } else {
             [lib::CURVE_DENSE_LOSS, lib::CURVE_RARE_LOSS]
         };
-        if lib::has_stretched_curves(lib::interface_alpha(raw), raw.flags) {
-            return lib::finish_material(raw, stretched(albedos, lib::interface_alpha(raw)));
-        }
         (albedos.a, albedos.b) = if lib::needs_dielectric_losses(raw) {
             (index_curve(front, alpha, raw.ior), index_curve(back, alpha, raw.ior))
         } else if raw.kind == lib::SURFACE_PLASTIC {
@@ -150,6 +154,39 @@ fn stretched(plain: Albedos, alpha: Vec2<f32>) -> Albedos {
     };
     let curve = |word| Curve { low: number(word), high: number(word + 1) };
     Albedos { a: curve(0), across: curve(2), b: curve(4), stretch: number(6), ..plain }
+}
+
+/// The fourth.
+fn solid(plain: Albedos, alpha: Vec2<f32>, ior: f32) -> Albedos {
+    let place = lib::solid_place(alpha, ior).to_array();
+    let first = |axis: usize, n: u32| (place[axis] as u32).min(n - 2);
+    let first = [first(0, lib::SOLID_ALPHAS), first(1, lib::SOLID_INDICES), first(2, lib::SOLID_RATIOS)];
+    let number = |word: u32| {
+        let corner = |i: u32, j: u32, k: u32| {
+            let step = [i, j, k];
+            let weight = |axis: usize| {
+                let t = place[axis] - first[axis] as f32;
+                if step[axis] == 1 { t } else { 1.0 - t }
+            };
+            let entry =
+                ((first[0] + i) * lib::SOLID_INDICES + first[1] + j) * lib::SOLID_RATIOS + first[2] + k;
+            row(lib::SOLID_AT + entry * lib::SOLID_STRIDE + word) * (weight(0) * weight(1) * weight(2))
+        };
+        let pair = |i, j| corner(i, j, 0) + corner(i, j, 1);
+        pair(0, 0) + pair(0, 1) + (pair(1, 0) + pair(1, 1))
+    };
+    let curve = |word| Curve { low: number(word), high: number(word + 1) };
+    Albedos {
+        a: curve(0),
+        b: curve(2),
+        across: curve(4),
+        dense_low: curve(6),
+        dense_mid: curve(8),
+        dense_high: curve(10),
+        dense_across: number(12),
+        stretch: number(13),
+        ..plain
+    }
 }
 
 fn between(place: f32, entries: u32, entry: impl Fn(u32) -> Curve) -> Curve {

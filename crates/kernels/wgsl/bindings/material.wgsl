@@ -62,17 +62,21 @@ fn load_albedos(raw: RawMaterial) -> Albedos {
         let coat = coat_alpha(raw);
         albedos.coat = schlick_albedo(COAT_F0, load_alpha_curve(CURVE_LOSS, coat), load_alpha_curve(CURVE_GRAZING, coat));
     }
-    let alpha = mean_alpha(interface_alpha(raw));
-    if (!may_have(FEATURE_ROUGHNESS) || alpha == 0.0) {
+    let both = interface_alpha(raw);
+    if (!may_have(FEATURE_ROUGHNESS) || both.x == 0.0) {
         return albedos;
     }
+    if (has_solid_losses(both, raw.flags)) {
+        return add_solid(albedos, both, raw.ior);
+    }
+    if (has_stretched_curves(both, raw.flags)) {
+        return add_stretched(albedos, both);
+    }
+    let alpha = 0.5 * (both.x + both.y); // of two only where single bounces are wanted
     if (needs_dielectric_losses(raw)) {
         albedos.a = load_index_curve(select(CURVE_DENSE_LOSS, CURVE_RARE_LOSS, raw.ior > 1.0), alpha, raw.ior);
         albedos.b = load_index_curve(select(CURVE_RARE_LOSS, CURVE_DENSE_LOSS, raw.ior > 1.0), alpha, raw.ior);
         return albedos;
-    }
-    if (has_stretched_curves(interface_alpha(raw), raw.flags)) {
-        return add_stretched(albedos, interface_alpha(raw));
     }
     albedos.a = load_alpha_curve(CURVE_LOSS, alpha);
     if (is_kind(raw.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
@@ -135,6 +139,34 @@ fn add_stretched(plain: Albedos, alpha: vec2<f32>) -> Albedos {
         albedos.stretch += weight * scene[at + 6u];
     }
     return albedos;
+}
+
+/// The fourth table the same.
+fn add_solid(plain: Albedos, alpha: vec2<f32>, ior: f32) -> Albedos {
+    var albedos = plain;
+    let place = solid_place(alpha, ior);
+    let first = min(vec3<u32>(place), vec3<u32>(SOLID_ALPHAS, SOLID_INDICES, SOLID_RATIOS) - 2u);
+    let t = place - vec3<f32>(first);
+    for (var corner = 0u; corner < 8u; corner += 1u) {
+        let step = vec3<u32>(corner & 1u, (corner >> 1u) & 1u, corner >> 2u);
+        let weights = select(vec3<f32>(1.0) - t, t, step == vec3<u32>(1u));
+        let weight = weights.x * weights.y * weights.z;
+        let entry = ((first.x + step.x) * SOLID_INDICES + first.y + step.y) * SOLID_RATIOS + first.z + step.z;
+        let at = SOLID_AT + entry * SOLID_STRIDE;
+        albedos.a = add_curve(albedos.a, weight, at);
+        albedos.b = add_curve(albedos.b, weight, at + 2u);
+        albedos.across = add_curve(albedos.across, weight, at + 4u);
+        albedos.dense_low = add_curve(albedos.dense_low, weight, at + 6u);
+        albedos.dense_mid = add_curve(albedos.dense_mid, weight, at + 8u);
+        albedos.dense_high = add_curve(albedos.dense_high, weight, at + 10u);
+        albedos.dense_across += weight * scene[at + 12u];
+        albedos.stretch += weight * scene[at + 13u];
+    }
+    return albedos;
+}
+
+fn add_curve(sum: Curve, weight: f32, at: u32) -> Curve {
+    return Curve(sum.low + weight * scene[at], sum.high + weight * scene[at + 1u]);
 }
 
 /// What a medium lets through over a distance.

@@ -8,10 +8,9 @@
 //   rare to dense, importance: k n² L_A(wo) L_B(wi) / π; dense to rare: k L_B(wo) L_A(wi) / π;
 //   rare to rare: (1 - k n² B) L_A L_A / (π A); dense to dense: (1 - k A) L_B L_B / (π B),
 // k = (1 - F_mean) / max(A, n² B): all of it comes out again, and f(wo, wi) / n(wi)² is symmetric.
-// Limits: what a stretched solid loses is that of one α, roughly turned by the azimuth (loss_towards).
 // Radiance is scaled by (n_near / n_far)² on refraction, importance is not (Veach 1997, section 5.2).
 
-/// Curves: solid, a the loss at the front and b at the back; thin, a the loss of a mirror.
+/// Curves: solid of one α, a the loss at the front and b at the back; thin, a the loss of a mirror.
 fn finish_dielectric(raw: RawMaterial, plain: Material) -> Material {
     var material = plain;
     material.reflect = raw.specular_color;
@@ -52,9 +51,18 @@ fn thin_bounces(plain: Material, f: vec3<f32>, share: f32) -> Material {
 /// The same at a solid's boundary of mean reflectance f from the rarer side.
 fn solid_bounces(plain: Material, f: f32, share: f32) -> Material {
     var material = plain;
-    let front = curve_mean(material.curves.a);
-    let back = curve_mean(material.curves.b);
     let dense_front = material.ior < 1.0;
+    var front = 0.0;
+    var back = 0.0;
+    if (has_solid_losses(material.alpha, material.flags)) {
+        let roots = select(material.curves.stretch.zw, material.curves.stretch.wz, dense_front);
+        let squares = roots * roots;
+        front = clamp(squares.x * squares.x, 1e-6, 1.0);
+        back = clamp(squares.y * squares.y, 1e-6, 1.0);
+    } else {
+        front = curve_mean(material.curves.a);
+        back = curve_mean(material.curves.b);
+    }
     let n2 = max(material.ior * material.ior, 1.0 / (material.ior * material.ior));
     let a = select(front, back, dense_front);
     let b = select(back, front, dense_front);

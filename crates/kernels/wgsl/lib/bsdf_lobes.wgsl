@@ -70,8 +70,11 @@ fn reflection_chance(split: Split) -> f32 {
     return select(0.0, reflected / max(sum, 1e-30), sum > 0.0);
 }
 
-/// What single scattering loses, for a direction on a side; of a solid by its cosine to the normal alone.
+/// What single scattering loses, for a direction on a side.
 fn loss_at(material: Material, front: bool, w: vec3<f32>) -> f32 {
+    if (has_solid_losses(material.alpha, material.flags)) {
+        return solid_loss(material, front == (material.ior < 1.0), w);
+    }
     if (bends(material) && !front) {
         return curve_at(material.curves.b, w.z);
     }
@@ -81,6 +84,28 @@ fn loss_at(material: Material, front: bool, w: vec3<f32>) -> f32 {
         return mix(curve_at(material.curves.a, place), curve_at(material.curves.across, place), blend);
     }
     return curve_at(material.curves.a, w.z);
+}
+
+/// The same of a stretched solid, from the denser side or the rarer.
+fn solid_loss(material: Material, dense: bool, w: vec3<f32>) -> f32 {
+    let curves = material.curves;
+    let root = sqrt(stretched_cosine(material.alpha, w));
+    let azimuth = solid_azimuth(material.alpha, w, material.ior, dense);
+    let x = azimuth.x;
+    let x2 = x * x;
+    if (!dense) {
+        let factors = powers_at(curves.a, curves.b, curves.across, root);
+        return saturate(dot(factors, vec4<f32>(1.0, x, x2, azimuth.y)));
+    }
+    let factors = powers_at(curves.dense_low, curves.dense_mid, curves.dense_high, root);
+    let r2 = root * root;
+    let across = dot(curves.dense_across, vec4<f32>(1.0, root, r2, r2 * root)) + r2 * r2 * (curves.stretch.x + root * curves.stretch.y);
+    return saturate(dot(factors, vec4<f32>(1.0, x, x2, x * x2)) + across * azimuth.y);
+}
+
+/// Four polynomials of degree 5 at once.
+fn powers_at(low: Curve, mid: Curve, high: Curve, s: f32) -> vec4<f32> {
+    return low.low + s * (low.high + s * (mid.low + s * (mid.high + s * (high.low + s * high.high))));
 }
 
 /// Its mean over the hemisphere, weighted by the cosine; of what does not bend.
@@ -125,27 +150,10 @@ fn mean_point(material: Material, i: u32) -> MeanPoint {
     return MeanPoint(vec3<f32>(sqrt(1.0 - square) * azimuth, sqrt(square)), 0.5 * weight);
 }
 
-const LN_4: f32 = 1.386294361;
-
-/// The same with the azimuth, by `loss_at`: a stretched solid loses more along the α that is smaller, the
-/// more the closer to grazing (a rough fit to quadrature).
-fn loss_towards(material: Material, loss: f32, w: vec3<f32>) -> f32 {
-    if (!may_have(FEATURE_ANISOTROPY) || material.alpha.x == material.alpha.y || !bends(material)) {
-        return loss;
-    }
-    let along = material.alpha * w.xy;
-    let mean = mean_alpha(material.alpha);
-    let ratio = clamp(mean * mean * dot(w.xy, w.xy) / max(dot(along, along), 1e-20), 0.1, 4.0);
-    let oblique = 1.0 - saturate(w.z);
-    let exponent = 0.5 * stretch_known(material.alpha) * oblique * oblique * oblique;
-    return min(loss * pow_unit(0.25 * ratio, exponent) / exp_negative(-LN_4 * exponent), 1.0);
-}
-
 /// How a surface meets light of one direction.
 struct Aspect {
-    /// What single scattering loses: of a solid by the cosine alone, and by the direction.
+    /// What single scattering loses.
     loss: f32,
-    loss_towards: f32,
     /// What the coat lets through; coat and sheen together.
     under_coat: f32,
     layers: f32,
@@ -159,10 +167,9 @@ struct Aspect {
 
 /// By the side, the direction, whose cosine to the normal (z) is not negative, and its cosine to the coat's.
 fn aspect_at(material: Material, front: bool, w: vec3<f32>, coat_cosine: f32) -> Aspect {
-    var aspect = Aspect(0.0, 0.0, 1.0, 1.0, 1.0, 0.0, vec3<f32>(0.0));
+    var aspect = Aspect(0.0, 1.0, 1.0, 1.0, 0.0, vec3<f32>(0.0));
     if (!is_smooth(material)) {
         aspect.loss = loss_at(material, front, w);
-        aspect.loss_towards = loss_towards(material, aspect.loss, w);
     }
     if (is_kind(material.kind, SURFACE_PLASTIC, FEATURE_PLASTIC)) {
         aspect.through = plastic_through(material, w, aspect.loss);

@@ -70,12 +70,24 @@ fn layers_through(material: Material, under_coat: f32, sheen: f32) -> f32 {
 /// What the coat and the sheen let through to the interface between two directions, by what they let
 /// through at each; symmetric. Between mirrored directions of narrow lobes min(S, S'), for lobes as wide
 /// as the hemisphere S S' / mean S: each lets through S.
-fn layers_between(material: Material, o: f32, i: f32) -> f32 {
+fn layers_between(material: Material, o: Met, i: Met) -> f32 {
     if (!may_have(FEATURE_LAYERS)) {
         return 1.0;
     }
-    let width = saturate(1.5 * mean_alpha(material.alpha));
-    return o * i / max(mix(max(o, i), material.layers_mean, width), 1e-4);
+    let width = saturate(1.5 * alpha_between(material.alpha, o.w.xy, i.w.xy));
+    let at_o = o.aspect.layers;
+    let at_i = i.aspect.layers;
+    return at_o * at_i / max(mix(max(at_o, at_i), material.layers_mean, width), 1e-4);
+}
+
+/// α along two directions, the more the longer they are along the surface; symmetric. Stretched facets
+/// seen across the larger reflect along a cone about it, where layers let through as little.
+fn alpha_between(alpha: vec2<f32>, o: vec2<f32>, i: vec2<f32>) -> f32 {
+    if (!may_have(FEATURE_ANISOTROPY) || alpha.x == alpha.y) {
+        return alpha.x;
+    }
+    let squares = o * o + i * i;
+    return sqrt(dot(alpha * alpha, squares) / max(squares.x + squares.y, 1e-20));
 }
 
 /// Index 1.5.

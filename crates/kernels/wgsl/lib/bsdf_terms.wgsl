@@ -85,7 +85,7 @@ fn lobe_terms(material: Material, front: bool, o: Met, i: Met) -> BsdfTerms {
         return transmitted_terms(material, front, o, i, terms);
     }
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS) && has_layers(material, front)) {
-        terms.f *= layers_between(material, o.aspect.layers, i.aspect.layers);
+        terms.f *= layers_between(material, o, i);
         if (!coat_leans(material)) {
             let coat = coat_terms(material, o.chances.coat, i.chances.coat, o.w, i.w);
             terms = BsdfTerms(terms.f + coat.f, terms.pdf_fwd + coat.pdf_fwd, terms.pdf_rev + coat.pdf_rev);
@@ -100,32 +100,32 @@ fn transmitted_terms(material: Material, front: bool, o: Met, i: Met, facets: Bs
         return no_terms();
     }
     let eta = relative_index(material, front);
-    var bounces = material.ms_transmit * (o.aspect.loss_towards * i.aspect.loss_towards);
+    var bounces = material.ms_transmit * (o.aspect.loss * i.aspect.loss);
     if (bends(material)) {
         bounces *= max(1.0, eta * eta);
     }
     var f = facets.f + bounces;
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
         let outside = select(i.aspect.layers, o.aspect.layers, front);
-        f *= select(layers_between(material, o.aspect.layers, i.aspect.layers), outside, bends(material));
+        f *= select(layers_between(material, o, i), outside, bends(material));
     }
     return BsdfTerms(select(f, f / (eta * eta), bends(material)),
         facets.pdf_fwd + o.chances.transmitted * INV_PI * -i.w.z, facets.pdf_rev + i.chances.transmitted * INV_PI * o.w.z);
 }
 
 /// f of multiple bounces and of the base.
-fn base_value(material: Material, front: bool, o: Aspect, i: Aspect) -> vec3<f32> {
+fn base_value(material: Material, front: bool, o: Met, i: Met) -> vec3<f32> {
     var f = vec3<f32>(0.0);
     if (!is_smooth(material)) {
-        f = ms_at(material, front) * (o.loss_towards * i.loss_towards);
+        f = ms_at(material, front) * (o.aspect.loss * i.aspect.loss);
     }
     if (!has_layers(material, front)) {
         return f;
     }
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
-        f *= layers_between(material, o.layers, i.layers);
+        f *= layers_between(material, o, i);
     }
-    return f + material.reflectance * o.through * i.through; // nothing goes through but of these two
+    return f + material.reflectance * o.aspect.through * i.aspect.through; // nothing goes through but of these two
 }
 
 fn sheen_value(material: Material, front: bool, o: Met, i: Met) -> vec3<f32> {
@@ -182,7 +182,7 @@ fn seen_terms(material: Material, seen: Seen, wo: vec3<f32>, wi: vec3<f32>, abou
             terms.pdf_rev += select(0.0, lobes.pdf_rev, part == PART_DIRECT);
         }
         if (reflects && part != PART_FOLDED) {
-            terms.f += weight * base_value(material, seen.front, o.aspect, i.aspect);
+            terms.f += weight * base_value(material, seen.front, o, i);
         }
         if (reflects && part != PART_CUT_OFF) {
             terms.f += weight * sheen_value(material, seen.front, o, i);

@@ -47,6 +47,8 @@ const FEATURE_DISPERSION: u32 = 2097152u;
 const FEATURE_COAT_NORMALS: u32 = 4194304u;
 /// The tree over lights is descended.
 const FEATURE_LIGHT_TREE: u32 = 8388608u;
+/// Anisotropic surfaces with an inside that light travels in.
+const FEATURE_STRETCHED_SOLIDS: u32 = 16777216u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {

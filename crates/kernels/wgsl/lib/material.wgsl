@@ -69,10 +69,17 @@ struct Albedos {
     /// cosines, the mean loss. Of plastic of single bounces: what is lost from within.
     across: Curve,
     stretch: vec4<f32>,
+    /// Of stretched solids (`has_solid_losses`), an entry of the fourth table in its order: a, b and
+    /// `across` from the rarer side; these from the denser; `stretch` last.
+    dense_low: Curve,
+    dense_mid: Curve,
+    dense_high: Curve,
+    dense_across: vec4<f32>,
 }
 
 fn no_albedos() -> Albedos {
-    return Albedos(no_curve(), no_curve(), no_curve(), no_curve(), no_curve(), vec4<f32>(0.0));
+    return Albedos(no_curve(), no_curve(), no_curve(), no_curve(), no_curve(), vec4<f32>(0.0), no_curve(), no_curve(), no_curve(),
+        vec4<f32>(0.0));
 }
 
 /// A surface at a point.
@@ -140,22 +147,15 @@ fn interface_alpha(raw: RawMaterial) -> vec2<f32> {
 }
 
 /// Whether a and b are of facets of two α (a: the loss along the larger; b: squares of Schlick's cosine
-/// along and across). What bends has curves of one α for each index; of single bounces none is given back.
+/// along and across). What bends has losses of its own, see `has_solid_losses`; of single bounces none is
+/// given back.
 fn has_stretched_curves(alpha: vec2<f32>, flags: u32) -> bool {
     return may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y && !has_inside(flags) && !is_single_bounce(flags);
 }
 
-/// α of the isotropic surface that loses as much as an anisotropic one, seen along the normal: the mean
-/// square's root, up to MODERATE_STRETCH; beyond it no isotropic one is alike, and it nears the mean.
-fn mean_alpha(alpha: vec2<f32>) -> f32 {
-    return mix(0.5 * (alpha.x + alpha.y), sqrt(0.5 * dot(alpha, alpha)), stretch_known(alpha));
-}
-
-/// How far the two α may be apart for what is lost to be about that of one (by quadrature).
-const MODERATE_STRETCH: f32 = 2.5;
-
-fn stretch_known(alpha: vec2<f32>) -> f32 {
-    return saturate(MODERATE_STRETCH * min(alpha.x, alpha.y) / max(max(alpha.x, alpha.y), MIN_ALPHA));
+/// Whether the losses are of facets of two α that bend what they transmit.
+fn has_solid_losses(alpha: vec2<f32>, flags: u32) -> bool {
+    return may_have(FEATURE_STRETCHED_SOLIDS) && alpha.x != alpha.y && has_inside(flags);
 }
 
 fn coat_alpha(raw: RawMaterial) -> f32 {
@@ -171,7 +171,7 @@ fn needs_albedos(raw: RawMaterial) -> bool {
     return may_have(FEATURE_INTERFACES) && raw.kind != SURFACE_DIFFUSE && raw.kind != SURFACE_NULL;
 }
 
-/// Whether the curves of a solid dielectric are (a: loss at the front, b: at the back), in place of
+/// Whether the curves of a solid of one α are (a: loss at the front, b: at the back), in place of
 /// those of a mirror (a: loss; b: reflection of the coat for plastic, else CURVE_GRAZING).
 fn needs_dielectric_losses(raw: RawMaterial) -> bool {
     return has_inside(raw.flags);

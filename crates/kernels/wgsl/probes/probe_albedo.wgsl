@@ -19,7 +19,10 @@ fn probe_albedo(@builtin(global_invocation_id) id: vec3<u32>) {
     let schlick = schlick_albedo(u.x, Curve(a, b), Curve(b, a));
     probe_output(id.x, 3u, schlick.low + schlick.high * u.y);
     let w = normalize(vec3<f32>(a.xy, 0.1 + abs(a.z)));
+    let two = u.zw + 0.1;
     let stretched = stretched_cosine(u.zw, w) + stretched_blend(u.zw, w, 0.1 + u.x);
+    let solid = dot(solid_place(two, 0.25 + abs(a.y)), vec3<f32>(1.0, 0.1, 0.01))
+        + dot(solid_azimuth(two, w, 0.25 + abs(a.y), u.y > 0.5), vec2<f32>(1.0, 0.5));
     let sides = f32(emits_towards(b.x, true)) + 2.0 * f32(emits_towards(b.x, false));
-    probe_output(id.x, 2u, vec4<f32>(needs.x + 2.0 * needs.y, sides, stretched, mean_alpha(u.zw)));
+    probe_output(id.x, 2u, vec4<f32>(needs.x + 2.0 * needs.y, sides, stretched, solid));
 }

@@ -7,7 +7,7 @@
 fn probe_albedos() -> Albedos {
     let loss = Curve(vec4<f32>(0.4, -0.5, 0.2, 0.0), vec4<f32>(0.0));
     let grazing = Curve(vec4<f32>(0.3, -0.2, 0.0, 0.0), vec4<f32>(0.0));
-    return Albedos(loss, grazing, loss, loss, grazing, vec4<f32>(0.1, 0.5, 0.2, 0.0));
+    return Albedos(loss, grazing, loss, loss, grazing, vec4<f32>(0.1, 0.5, 0.2, 0.6), loss, grazing, loss, vec4<f32>(0.1, -0.2, 0.3, 0.1));
 }
 
 fn probe_material(index: u32, u: vec4<f32>, colour: vec4<f32>) -> Material {
