@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{Mat3, Vec3};
-use midway_scene::Scene;
+use midway_scene::Surround;
 
 use crate::{
     RenderError,
@@ -33,14 +33,14 @@ pub struct EnvironmentMap {
 }
 
 impl EnvironmentMap {
-    /// Of a valid scene; none where it has no environment. A constant one is an image of one texel.
+    /// Of what is valid; none where there is no environment. A constant one is an image of one texel.
     ///
     /// # Errors
     ///
     /// [`RenderError::Settings`] where the image has more texels than kernels can address.
-    pub fn of(scene: &Scene) -> Result<Option<Self>, RenderError> {
-        let Some(environment) = &scene.environment else { return Ok(None) };
-        let (width, height, texels) = match scene.environment_image() {
+    pub fn of(surround: &Surround) -> Result<Option<Self>, RenderError> {
+        let Some(environment) = &surround.environment else { return Ok(None) };
+        let (width, height, texels) = match &surround.image {
             None => (1, 1, vec![bounded(environment.radiance)]),
             Some(image) if image.texels.len() > MAX_TEXELS => {
                 return Err(RenderError::Settings(format!(

@@ -5,8 +5,8 @@ use midway_scene::{
     CoatNormal, LightKind, Material, MetallicRoughness, Opacity, Roughness, ScalarInput, Scene, Surface,
 };
 
-/// The bits of `FEATURE_*` of everything that a scene has. What textures may make of a value counts as
-/// there. Not of the scene's data alone: whether meshes are placed, have attributes, and whether there
+/// The bits of `FEATURE_*` of everything that a scene has but its environment. What textures may make of a
+/// value counts as there. Not of the scene's data alone: whether meshes are placed, have attributes, and whether there
 /// are pre-generated numbers is for who packs them to say.
 pub(crate) fn scene_features(scene: &Scene) -> u32 {
     let materials = scene.materials.iter().map(material_features);
@@ -14,8 +14,7 @@ pub(crate) fn scene_features(scene: &Scene) -> u32 {
         LightKind::Point { .. } | LightKind::Spot { .. } => k::FEATURE_POINT_LIGHTS,
         LightKind::Directional { .. } => k::FEATURE_DIRECTIONAL_LIGHTS,
     });
-    let environment = if scene.environment.is_some() { k::FEATURE_ENVIRONMENT } else { 0 };
-    materials.chain(lights).fold(environment, |all, features| all | features)
+    materials.chain(lights).fold(0, |all, features| all | features)
 }
 
 fn material_features(material: &Material) -> u32 {

@@ -41,7 +41,7 @@ pub use error::RenderError;
 pub use hold::{Hold, HoldLimits, Load};
 pub use pack::PackedScene;
 pub use record::BounceRays;
-pub use renderer::{Megakernel, RenderStats, Renderer};
+pub use renderer::{Basis, Megakernel, RenderStats, Renderer};
 pub use settings::{
     Crop, FilterKind, Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, LightSampling, Mis,
     OneStrategy, PixelFilter, RenderSettings, Rng,

@@ -1,5 +1,6 @@
 //! The renderer: schedules samples as passes, and passes as batches over the device's lanes.
 
+mod basis;
 mod batches;
 mod display;
 mod groups;
@@ -16,6 +17,7 @@ use midway_film::{Channel, Image};
 use midway_kernels::{constants as k, layout::Params};
 use midway_scene::{Camera, Scene};
 
+pub use basis::Basis;
 pub use megakernel::Megakernel;
 
 use self::{
@@ -108,7 +110,8 @@ impl Renderer {
         let mut packed = PackedScene::new(scene, camera, &settings, device.info().kind)?;
         let n_pixels = n_pixels(&settings);
         let bytes = |words: &[[u32; 4]]| size_of_val(words) as u64;
-        let scene_plan = plan_scene(bytes(&packed.nodes), bytes(&packed.triangles), &packed);
+        let [nodes, triangles, words] = [&packed.nodes, &packed.triangles, &packed.scene].map(|w| bytes(w));
+        let scene_plan = plan_scene([nodes, triangles, words, packed.images.bytes()]);
         let n_groups = if settings.light_groups { packed.light_groups.len() as u32 } else { 1 };
         plan_shared(&scene_plan, &settings, n_pixels, n_groups).check(device.info())?;
         let pipelines = load_kernels(&*device, &packed, &settings)?;

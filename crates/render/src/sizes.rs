@@ -3,9 +3,7 @@
 use midway_device::{DeviceInfo, DeviceKind, MemoryPlan};
 use midway_kernels::constants as k;
 
-use crate::{
-    IntegratorSettings, Join, PackedScene, RenderError, RenderSettings, aov, batch::LaneSize, pool::PoolSize,
-};
+use crate::{IntegratorSettings, Join, RenderError, RenderSettings, aov, batch::LaneSize, pool::PoolSize};
 
 /// Light vertices are given this much more room than the pilot's mean asks for.
 const VERTEX_ROOM: f64 = 1.25;
@@ -129,13 +127,17 @@ pub fn reserved_slots(settings: &RenderSettings, n_paths: u32) -> u32 {
     }
 }
 
-/// The memory of the scene, whose hierarchies take so many bytes of nodes and of leaf slots.
-pub fn plan_scene(nodes: u64, triangles: u64, packed: &PackedScene) -> MemoryPlan {
+/// Buffers of a scene, by the names that [`plan_scene`] takes their bytes by.
+pub const SCENE_BUFFERS: [&str; 4] = ["nodes", "triangles", "scene", "texels"];
+
+/// The memory of a scene whose [`SCENE_BUFFERS`] have so many bytes.
+pub fn plan_scene(bytes: [u64; 4]) -> MemoryPlan {
+    let [nodes, triangles, scene, texels] = bytes;
     let mut plan = MemoryPlan::default();
     plan.fixed("nodes", nodes);
     plan.fixed("triangles", triangles);
-    plan.fixed("scene", size_of_val(&packed.scene[..]) as u64);
-    plan.texels("texels", packed.images.bytes());
+    plan.fixed("scene", scene);
+    plan.texels("texels", texels);
     plan
 }
 

@@ -16,7 +16,9 @@ use midway_render::{
     Aov, Crop, Integrator, IntegratorSettings, Join, LightPaths, LightSampling, PackedScene, RenderError,
     RenderSettings, Renderer, Rng,
 };
-use midway_scene::{Camera, Environment, Image as Texture, Scene, Texels};
+use midway_scene::{
+    Camera, Environment, Image as Texture, Material, Opacity, Scene, Surface, Surround, Texels,
+};
 
 const SIZE: u32 = 24;
 
@@ -136,35 +138,104 @@ fn another_environment_is_that_of_a_new_renderer() {
         let camera = &scene.cameras[0];
         for method in [path(), full(), pool(2)] {
             let mut live = renderer(&scene, camera, by(method));
-            for scene in environments(&scene) {
+            let scenes = environments(&scene);
+            for scene in &scenes {
                 run(&mut live, 1);
-                live.set_environment(&scene).expect("changes");
+                // What is around it by now is not asked: the geometry alone is.
+                let made_with = &scenes[0];
+                let mut next =
+                    live.basis().surrounded(made_with, &Surround::of(scene), by(method)).expect("fits");
+                run(&mut live, 3); // goes on, on a film of its own
+                std::mem::swap(&mut live, &mut next);
                 assert_eq!(live.samples(), 0);
-                let mut new = renderer(&scene, camera, by(method));
+                let mut new = renderer(scene, camera, by(method));
                 assert_eq!(run(&mut live, 2), run(&mut new, 2), "{name}, {method:?}");
                 let plans = [&live, &new].map(|renderer| renderer.plan().total());
                 assert_eq!(plans[0], plans[1], "{name}, {method:?}");
                 let beside = live.beside(by(full())).map(|mut beside| run(&mut beside, 1)).expect("fits");
-                assert_eq!(beside, run(&mut renderer(&scene, camera, by(full())), 1));
+                assert_eq!(beside, run(&mut renderer(scene, camera, by(full())), 1));
             }
         }
     }
 }
 
 #[test]
-fn under_another_environment_hierarchies_stay() {
+fn under_another_environment_all_but_what_shines_stays() {
     let scene = load("glass-caustic.gltf");
     let pack = |scene: &Scene| PackedScene::new(scene, &scene.cameras[0], &by(full()), DeviceKind::Cpu);
     let packed = pack(&scene).expect("packs");
     for scene in environments(&scene) {
-        let changed = packed.surrounded(&scene, &scene.cameras[0], &by(full())).expect("packs");
+        let changed = packed.clone().surrounded(&scene, &Surround::of(&scene), &by(full())).expect("packs");
         assert!(changed.nodes.is_empty() && changed.triangles.is_empty());
-        let PackedScene { nodes, triangles, .. } = packed.clone();
-        let (changed, new) = (PackedScene { nodes, triangles, ..changed }, pack(&scene).expect("packs"));
+        let PackedScene { nodes, triangles, images, scene: mut words, lights_at, .. } = packed.clone();
+        words.truncate(lights_at as usize);
+        words.extend(&changed.scene);
+        let changed = PackedScene { nodes, triangles, images, scene: words, ..changed };
+        let new = pack(&scene).expect("packs");
         // Media hold how long the build took.
         assert!(changed.media.is_some() && new.media.is_some());
         let same = PackedScene { media: None, ..changed } == PackedScene { media: None, ..new };
         assert!(same, "{:?}", scene.environment);
+    }
+}
+
+/// Other materials on the meshes of `scene`: each the next of the list, as far as `wanted` has them.
+fn redressed(scene: &Scene, wanted: impl Fn(&Material) -> bool) -> Scene {
+    let mut dressed = scene.clone();
+    let n = scene.materials.len() as u32;
+    for mesh in &mut dressed.meshes {
+        let next = (1..=n).map(|step| (mesh.material + step) % n);
+        mesh.material =
+            next.into_iter().find(|&m| wanted(&scene.materials[m as usize])).expect("there is one");
+    }
+    dressed
+}
+
+/// With glass, whose media change places; with lights that go and come; with instances and textures.
+#[test]
+fn other_materials_are_those_of_a_new_renderer() {
+    for name in ["glass-caustic.gltf", "light-sheet.gltf", "material-sheet.gltf", "cornell-box.gltf"] {
+        let scene = load(name);
+        let camera = &scene.cameras[0];
+        let (dark, any) = (redressed(&scene, |m| !m.is_emissive()), redressed(&scene, |_| true));
+        for method in [path(), full(), pool(2)] {
+            let (mut live, mut before) = (renderer(&scene, camera, by(method)), &scene);
+            for scene in [&any, &dark, &scene] {
+                let mut next = live.basis().dressed(before, scene, by(method)).expect("fits");
+                run(&mut live, 3); // goes on, on a film of its own
+                std::mem::swap(&mut live, &mut next);
+                before = scene;
+                let mut new = renderer(scene, camera, by(method));
+                assert_eq!(run(&mut live, 2), run(&mut new, 2), "{name}, {method:?}");
+                assert_eq!(live.plan().total(), new.plan().total(), "{name}, {method:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn hierarchies_stay_while_the_same_triangles_are_opaque_and_baked() {
+    let pack = |scene: &Scene| PackedScene::new(scene, &scene.cameras[0], &by(full()), DeviceKind::Cpu);
+    let scene = load("glass-caustic.gltf");
+    let packed = pack(&scene).expect("packs");
+    let mut dressed = redressed(&scene, |_| true);
+    let changed = packed.dressed(&scene, &dressed, &scene.cameras[0], &by(full())).expect("packs");
+    let changed = changed.expect("hierarchies stay");
+    assert!(changed.nodes.is_empty() && changed.triangles.is_empty());
+    let PackedScene { nodes, triangles, .. } = packed.clone();
+    let (changed, new) = (PackedScene { nodes, triangles, ..changed }, pack(&dressed).expect("packs"));
+    assert!(PackedScene { media: None, ..changed } == PackedScene { media: None, ..new });
+    // A material that is not there, or has holes, marks its triangles.
+    let diffuse = Surface::Diffuse { reflectance: Vec3::ONE.into() };
+    let holes = Opacity::Mask(0.0.into(), 0.5);
+    for (surface, opacity) in [(Surface::Null, Opacity::Opaque), (diffuse, holes)] {
+        let mut with_holes = scene.clone();
+        with_holes.materials.push(Material { surface, opacity, ..scene.materials[0].clone() });
+        dressed = with_holes.clone();
+        dressed.meshes[0].material = scene.materials.len() as u32;
+        let packed = pack(&with_holes).expect("packs");
+        let changed = packed.dressed(&with_holes, &dressed, &scene.cameras[0], &by(full()));
+        assert!(changed.expect("packs").is_none());
     }
 }
 
@@ -173,9 +244,16 @@ fn an_environment_that_is_refused_leaves_the_renderer_as_it_was() {
     let scene = load("cornell-box.gltf");
     let mut live = renderer(&scene, &scene.cameras[0], by(path()));
     run(&mut live, 2);
-    let mut broken = environments(&scene).remove(1);
-    broken.environment.as_mut().expect("is there").radiance = Vec3::NAN;
-    assert!(live.set_environment(&broken).is_err());
+    let [pictured, constant] = [0, 1].map(|i| Surround::of(&environments(&scene)[i]));
+    let mut broken = [constant, pictured.clone(), pictured];
+    broken[0].environment.as_mut().expect("is there").radiance = Vec3::NAN;
+    broken[1].image.as_mut().expect("is there").width = 7;
+    broken[2].image.as_mut().expect("is there").texels = Texels::Float([[f32::INFINITY; 4]; 32].into());
+    for surround in broken {
+        assert!(live.basis().surrounded(&scene, &surround, by(path())).is_err());
+    }
+    let table = RenderSettings { rng: Rng::Table(64), ..by(path()) };
+    assert!(live.basis().surrounded(&scene, &Surround::default(), table).is_err());
     assert_eq!(run(&mut live, 4), run(&mut renderer(&scene, &scene.cameras[0], by(path())), 4));
 }
 

@@ -12,6 +12,7 @@ mod light;
 mod light_groups;
 mod material;
 mod power;
+mod surround;
 mod texture;
 mod validate;
 
@@ -28,6 +29,7 @@ pub use material::{
     CoatNormal, ConductorFresnel, MAX_DISPERSION, Material, MetallicRoughness, NormalMap, Opacity, Roughness,
     Sides, Surface,
 };
+pub use surround::Surround;
 pub use texture::{Channel, ColorInput, Filter, Image, ScalarInput, Texels, Texture, Wrap, srgb_to_linear};
 
 /// Everything that is rendered. Indices are valid once [`Scene::validate`] has passed.

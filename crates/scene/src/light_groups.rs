@@ -43,12 +43,21 @@ impl Scene {
     ///
     /// Where an index is out of range: call [`Scene::validate`] first.
     pub fn light_groups(&self) -> LightGroups {
+        self.light_groups_under(self.environment.is_some())
+    }
+
+    /// As [`Scene::light_groups`], where there is an environment or none, whatever the scene has.
+    ///
+    /// # Panics
+    ///
+    /// As [`Scene::light_groups`].
+    pub fn light_groups_under(&self, environment: bool) -> LightGroups {
         let mut groups = Grouping::default();
         let instances = (0..self.instances.len())
             .map(|i| self.emitter_name(i).map_or(0, |name| groups.of(&name)))
             .collect();
         let lights = (0..self.lights.len()).map(|i| groups.of(&self.light_name(i))).collect();
-        let environment = self.environment_name().map_or(0, |name| groups.of(&name));
+        let environment = if environment { groups.of(&self.environment_name()) } else { 0 };
         let mut names = groups.names;
         if names.is_empty() {
             names.push(REST.into());
@@ -80,7 +89,9 @@ impl Scene {
                 self.lights[i].group = Some(group);
             }
         }
-        if let Some(group) = self.environment_name().and_then(|name| group(&name)) {
+        if self.environment.is_some()
+            && let Some(group) = group(&self.environment_name())
+        {
             self.environment_group = Some(group);
         }
         unused.into_iter().filter(|(_, unused)| *unused).map(|(name, _)| name.to_owned()).collect()
@@ -109,9 +120,8 @@ impl Scene {
         })
     }
 
-    fn environment_name(&self) -> Option<Arc<str>> {
-        self.environment.as_ref()?;
-        Some(self.environment_group.clone().unwrap_or_else(|| ENVIRONMENT.into()))
+    fn environment_name(&self) -> Arc<str> {
+        self.environment_group.clone().unwrap_or_else(|| ENVIRONMENT.into())
     }
 }
 

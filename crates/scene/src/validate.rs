@@ -5,7 +5,7 @@ use glam::{DMat3, Mat3, Vec3, Vec4};
 use crate::{
     Camera, CoatNormal, ColorInput, ConductorFresnel, Environment, Image, Instance, Light, LightKind,
     MAX_DISPERSION, Material, Mesh, MetallicRoughness, NormalMap, Opacity, Projection, Roughness,
-    ScalarInput, Scene, SceneError, Surface, Texels, Texture,
+    ScalarInput, Scene, SceneError, Surface, Surround, Texels, Texture,
 };
 
 /// How far a normal's length and a camera's axes may be from 1: rounding in files that store
@@ -45,7 +45,9 @@ impl Scene {
             validate_light(&label("light", i, &light.name), light)?;
         }
         if let Some(environment) = &self.environment {
-            validate_environment(environment, self.images.len())?;
+            validate_environment(environment)?;
+            let in_list = |image| in_range("the environment", "image", image, self.images.len());
+            environment.image.map_or(Ok(()), in_list)?;
         }
         let bounds = self.bounds();
         if bounds.is_empty() {
@@ -55,6 +57,18 @@ impl Scene {
         check(bounds.diagonal().is_finite(), "the scene", || {
             "it is larger than a number of 32 bits holds".to_owned()
         })
+    }
+}
+
+impl Surround {
+    /// Checks it as [`Scene::validate`] does where it is a part of one.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`] names the first thing that is wrong.
+    pub fn validate(&self) -> Checked {
+        self.environment.as_ref().map_or(Ok(()), validate_environment)?;
+        self.image.as_ref().map_or(Ok(()), |image| validate_image("the environment's image", image))
     }
 }
 
@@ -269,14 +283,13 @@ fn unit(what: &str, direction: Vec3) -> Checked {
     })
 }
 
-fn validate_environment(environment: &Environment, n_images: usize) -> Checked {
+fn validate_environment(environment: &Environment) -> Checked {
     let what = "the environment";
     non_negative(what, "radiance", environment.radiance)?;
     let m = environment.world_from_environment;
     let off = m.transpose() * m - Mat3::IDENTITY;
     let orthonormal = off.to_cols_array().iter().all(|x| x.abs() <= UNIT_TOLERANCE);
-    check(orthonormal, what, || "its transform is not a rotation".to_owned())?;
-    environment.image.map_or(Ok(()), |image| in_range(what, "image", image, n_images))
+    check(orthonormal, what, || "its transform is not a rotation".to_owned())
 }
 
 fn validate_mesh(what: &str, mesh: &Mesh) -> Checked {

@@ -2,11 +2,11 @@
 
 use midway_kernels::constants as k;
 
-use super::{Word4, word4};
+use super::{Words, word4};
 use crate::environment::{EnvironmentMap, inverse_or_zero};
 
 /// Frame, texels, and the table of cells, two entries a word. `light`: its place among the lights.
-pub(super) fn pack_environment(map: &EnvironmentMap, light: Option<u32>, words: &mut Vec<Word4>) {
+pub(super) fn pack_environment(map: &EnvironmentMap, light: Option<u32>, words: &mut Words) {
     let frame = map.world_from_environment;
     words.extend([
         word4(frame.x_axis, map.width),

@@ -5,10 +5,10 @@ use std::iter::repeat_n;
 use glam::{Vec2, Vec3, Vec4};
 use midway_accel::{Hierarchy, TwoLevel};
 use midway_kernels::constants as k;
-use midway_scene::{Mesh, Opacity, PlacedMesh, WorldTriangle};
+use midway_scene::{Mesh, PlacedMesh, WorldTriangle};
 use rayon::prelude::*;
 
-use super::{Word4, normals::oct_encode, slots::is_absent, word4};
+use super::{Word4, is_solid, normals::oct_encode, word4};
 use crate::{
     lights::{LightSource, Lights},
     world::World,
@@ -26,9 +26,7 @@ pub(super) fn pack_triangles(two_level: &TwoLevel, world: &World<'_>, positions:
     let n_slots: usize = two_level.slots().map(|bvh| bvh.primitives().len()).sum();
     let mut words = vec![Word4::default(); n_slots * STRIDE];
     let kind_of = |mesh: &Mesh| {
-        let material = &world.scene().materials[mesh.material as usize];
-        let solid = material.opacity == Opacity::Opaque && !is_absent(material);
-        if solid { k::SLOT_SOLID } else { k::SLOT_CUTOUT }
+        if is_solid(world.scene(), mesh.material) { k::SLOT_SOLID } else { k::SLOT_CUTOUT }
     };
     let baked = world.baked().flat_map(|mesh| repeat_n(kind_of(mesh.mesh()), mesh.n_triangles() as usize));
     let baked: Vec<u32> = baked.collect();

@@ -2,7 +2,7 @@
 
 use midway_kernels::constants as k;
 
-use super::{Word4, word4};
+use super::{Word4, Words, word4};
 use crate::light_tree::{LightReach, LightTree, Link, Node};
 
 /// By how much angles are widened, radians, so that rounding in the kernels hides no light: cosines near 1
@@ -16,14 +16,14 @@ pub(super) struct LightTreeAt {
 }
 
 /// Appends the tree, where there is one with any light.
-pub(super) fn pack_light_tree(tree: Option<&LightTree>, words: &mut Vec<Word4>) -> LightTreeAt {
+pub(super) fn pack_light_tree(tree: Option<&LightTree>, words: &mut Words) -> LightTreeAt {
     let Some((tree, root)) = tree.and_then(|tree| Some((tree, tree.nodes.first()?))) else {
         return LightTreeAt { nodes: k::NONE, ways: k::NONE };
     };
-    let nodes = words.len() as u32;
+    let nodes = words.next();
     // In shares of all: floats then have room, whatever the scene's unit of power.
     words.extend(tree.nodes.iter().flat_map(|node| pack_node(node, root.bound.intensity)));
-    let ways = words.len() as u32;
+    let ways = words.next();
     words.extend(tree.ways.chunks(4).map(|ways| {
         let mut word = [0; 4];
         word[..ways.len()].copy_from_slice(ways);

@@ -4,7 +4,7 @@ use glam::Vec3;
 use midway_kernels::constants as k;
 use midway_scene::{LightGroups, LightKind, SpotFalloff, WorldTriangle};
 
-use super::{Word4, medium_or_none, word4};
+use super::{Word4, Words, medium_or_none, word4};
 use crate::{
     lights::{LightSource, Lights},
     medium::MediumFinder,
@@ -20,9 +20,9 @@ pub(super) fn pack_lights(
     groups: &LightGroups,
     world: &World<'_>,
     media: Option<&MediumFinder<'_>>,
-    words: &mut Vec<Word4>,
+    words: &mut Words,
 ) {
-    let details_at = words.len() + lights.lights.len() * k::LIGHT_STRIDE as usize;
+    let details_at = words.next() as usize + lights.lights.len() * k::LIGHT_STRIDE as usize;
     let mut details = Vec::new();
     for (light, entry) in lights.lights.iter().zip(&lights.table) {
         let (kind, data, medium, group) = match light.source {
@@ -39,8 +39,10 @@ pub(super) fn pack_lights(
             }
             LightSource::Environment => (k::LIGHT_ENVIRONMENT, 0, k::NONE, groups.environment),
         };
-        words.push([data, entry.pmf.to_bits(), entry.threshold.to_bits(), entry.alias]);
-        words.push([light.measure.to_bits(), medium, kind, group.into()]);
+        words.extend([
+            [data, entry.pmf.to_bits(), entry.threshold.to_bits(), entry.alias],
+            [light.measure.to_bits(), medium, kind, group.into()],
+        ]);
     }
     words.extend(details);
 }

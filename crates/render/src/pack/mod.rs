@@ -3,6 +3,7 @@
 mod environment;
 mod geometry;
 mod light_tree;
+mod lighting;
 mod lights;
 mod materials;
 mod normals;
@@ -16,9 +17,11 @@ use glam::Vec3;
 use midway_accel::Width;
 use midway_device::DeviceKind;
 use midway_kernels::constants as k;
-use midway_scene::{Camera, Scene, Sphere};
+use midway_scene::{Camera, Opacity, Scene, Sphere, Surround};
 
-use self::{geometry::pack_triangles, shading::Shading, textures::PackedImages};
+use self::{
+    geometry::pack_triangles, lighting::Lighting, shading::Shading, slots::is_absent, textures::PackedImages,
+};
 use crate::{
     RenderError, RenderSettings,
     medium::{CameraMedia, MediumFinder},
@@ -27,6 +30,24 @@ use crate::{
 
 /// A vec4 as bits, so that no float move touches an integer.
 type Word4 = [u32; 4];
+
+/// Words of a kernels' buffer from a place in it on.
+#[derive(Default)]
+struct Words {
+    first: u32,
+    words: Vec<Word4>,
+}
+
+impl Words {
+    /// The place of the next.
+    fn next(&self) -> u32 {
+        self.first + self.words.len() as u32
+    }
+
+    fn extend(&mut self, words: impl IntoIterator<Item = Word4>) {
+        self.words.extend(words);
+    }
+}
 
 /// Everything about a scene that kernels read, ready to be copied to a device.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,24 +133,63 @@ impl PackedScene {
         })
     }
 
-    /// The same scene under another environment, seen by a camera. Hierarchies stay as they are: `nodes`
-    /// and `triangles` are left empty. `scene` and `settings` differ from those that this was packed from
-    /// in the environment, and the image it has, alone.
+    /// The same scene with something else around it. Of the words of `scene` it has those from `lights_at`
+    /// on alone; those before, hierarchies and images stay as they are. `scene` and `settings` are those that
+    /// this was packed from, whatever is around the scene by now.
     ///
     /// # Errors
-    /// If the environment is invalid.
+    /// If what is to be around it is invalid.
     pub fn surrounded(
+        self,
+        scene: &Scene,
+        surround: &Surround,
+        settings: &RenderSettings,
+    ) -> Result<Self, RenderError> {
+        surround.validate()?;
+        let world = World::new(scene)?;
+        let media = self.media.as_ref().map(|media| media.finder(&world));
+        let lighting = Lighting::of(&world, surround, self.sphere, settings.light_sampling)?;
+        let mut words = Words { first: self.lights_at, words: Vec::new() };
+        let at = lighting.pack(&world, media.as_ref(), &mut words);
+        let features = self.features & !lighting::FEATURES | at.features;
+        Ok(Self {
+            scene: words.words,
+            light_tree_at: at.tree.nodes,
+            light_ways_at: at.tree.ways,
+            environment_at: at.environment,
+            n_lights: at.n_lights,
+            light_groups: at.groups,
+            features,
+            ..self.without_copied()
+        })
+    }
+
+    /// The same geometry with other materials of the scene's, seen by a camera. Hierarchies and images stay as
+    /// they are: `nodes` and `triangles` are left empty. None where they cannot stay: what is opaque, or what is
+    /// stored where, is other than `before`, the scene that this was packed from. `scene` differs from that in
+    /// [`midway_scene::Mesh::material`] alone; `settings` are those that this was packed by.
+    ///
+    /// # Errors
+    /// If the scene is invalid.
+    pub fn dressed(
         &self,
+        before: &Scene,
         scene: &Scene,
         camera: &Camera,
         settings: &RenderSettings,
-    ) -> Result<Self, RenderError> {
+    ) -> Result<Option<Self>, RenderError> {
         scene.validate()?;
         let world = World::new(scene)?;
+        let solid = |scene: &Scene, mesh: usize| is_solid(scene, scene.meshes[mesh].material);
+        if world.layout() != World::new(before)?.layout()
+            || (0..scene.meshes.len()).any(|mesh| solid(before, mesh) != solid(scene, mesh))
+        {
+            return Ok(None);
+        }
         let media = self.media.as_ref().map(|media| media.finder(&world));
         let packed = Shading::pack(&world, settings)?.with_lights(&world, media.as_ref(), camera);
         let features = packed.features | self.features & k::FEATURE_WIDE;
-        Ok(Self { features, media: self.media.clone(), ..packed })
+        Ok(Some(Self { features, media: self.media.clone(), ..packed }))
     }
 
     /// The same without what was copied to the device.
@@ -137,6 +197,12 @@ impl PackedScene {
         let empty = Vec::new;
         Self { nodes: empty(), triangles: empty(), scene: empty(), images: PackedImages::default(), ..self }
     }
+}
+
+/// Whether every ray that meets a material ends there.
+fn is_solid(scene: &Scene, material: u32) -> bool {
+    let material = &scene.materials[material as usize];
+    material.opacity == Opacity::Opaque && !is_absent(material)
 }
 
 fn word4(v: Vec3, w: u32) -> Word4 {

@@ -1,25 +1,20 @@
-//! What shading reads of a scene (`scene` in WGSL): all that needs no hierarchy, and the lights behind it,
+//! What shading reads of a scene (`scene` in WGSL): all that needs no hierarchy, and what shines behind it,
 //! whose media a hierarchy tells.
 
 use glam::Vec3;
 use midway_kernels::constants as k;
-use midway_scene::{Camera, LightGroups, Sphere};
+use midway_scene::{Camera, Sphere, Surround};
 
 use super::{
-    PackedScene, Word4,
-    environment::pack_environment,
+    PackedScene, Word4, Words,
     geometry::{SurfacesAt, pack_surfaces},
-    light_tree::pack_light_tree,
-    lights::pack_lights,
+    lighting::Lighting,
     materials::{albedo_tables, pack_material},
     medium_or_none,
     slots::pack_slots,
-    textures::{PackedImages, TextureTable, mean_color, srgb_table},
+    textures::{PackedImages, TextureTable, srgb_table},
 };
-use crate::{
-    RenderError, RenderSettings, environment::EnvironmentMap, features::scene_features,
-    light_tree::LightTree, lights::Lights, medium::MediumFinder, world::World,
-};
+use crate::{RenderError, RenderSettings, features::scene_features, medium::MediumFinder, world::World};
 
 /// The words so far, and what is to be packed behind them.
 pub(super) struct Shading {
@@ -32,26 +27,19 @@ pub(super) struct Shading {
     textures_at: u32,
     srgb_at: u32,
     sphere: Sphere,
-    lights: Lights,
-    tree: Option<LightTree>,
-    environment: Option<EnvironmentMap>,
-    groups: LightGroups,
+    lighting: Lighting,
     features: u32,
 }
 
 impl Shading {
-    /// Everything of a valid scene but the records of its lights.
+    /// Everything of a valid scene but the words of what shines.
     ///
     /// # Errors
     /// If the images or the environment have more texels than kernels can address.
     pub fn pack(world: &World<'_>, settings: &RenderSettings) -> Result<Self, RenderError> {
         let scene = world.scene();
         let sphere = scene.bounds().sphere();
-        let environment = EnvironmentMap::of(scene)?;
-        let emissions: Vec<Vec3> = scene.materials.iter().map(|m| mean_color(scene, &m.emission)).collect();
-        let lights = Lights::collect(scene, world.emissive(), sphere, environment.as_ref(), |triangle| {
-            emissions[triangle.material as usize]
-        });
+        let lighting = Lighting::of(world, &Surround::of(scene), sphere, settings.light_sampling)?;
         let mut images = PackedImages::default();
         let mut textures = TextureTable::default();
         let mut words = albedo_tables();
@@ -62,7 +50,7 @@ impl Shading {
             slots.extend(record);
         }
         images.check()?;
-        let surfaces = pack_surfaces(world, &lights, &mut words);
+        let surfaces = pack_surfaces(world, &lighting.lights, &mut words);
         let random = settings.rng.table();
         let mut append = |part: &mut dyn Iterator<Item = Word4>| {
             let at = words.len() as u32;
@@ -81,8 +69,6 @@ impl Shading {
         ];
         let features =
             set.iter().filter(|(has, _)| *has).fold(scene_features(scene), |all, (_, bit)| all | bit);
-        let tree = LightTree::wanted(settings.light_sampling, &lights, world, sphere.radius);
-        let groups = scene.light_groups();
         let n_random = random.unwrap_or(0);
         Ok(Self {
             words,
@@ -94,15 +80,12 @@ impl Shading {
             textures_at,
             srgb_at,
             sphere,
-            lights,
-            tree,
-            environment,
-            groups,
+            lighting,
             features,
         })
     }
 
-    /// With the lights behind it: all of a packed scene but hierarchies, as seen by a camera. `media`: none
+    /// With what shines behind it: all of a packed scene but hierarchies, as seen by a camera. `media`: none
     /// where no material has an inside.
     pub fn with_lights(
         self,
@@ -110,29 +93,22 @@ impl Shading {
         media: Option<&MediumFinder<'_>>,
         camera: &Camera,
     ) -> PackedScene {
-        let mut words = self.words;
-        let lights_at = words.len() as u32;
-        pack_lights(&self.lights, &self.groups, world, media, &mut words);
-        let tree_at = pack_light_tree(self.tree.as_ref(), &mut words);
-        let environment_at = self.environment.as_ref().map_or(k::NONE, |_| words.len() as u32);
-        if let Some(environment) = &self.environment {
-            pack_environment(environment, self.lights.environment(), &mut words);
-        }
+        let mut words = Words { first: 0, words: self.words };
+        let at = self.lighting.pack(world, media, &mut words);
         let forward = camera.world_from_camera.transform_vector3(Vec3::NEG_Z);
-        let has_tree = if tree_at.nodes == k::NONE { 0 } else { k::FEATURE_LIGHT_TREE };
         PackedScene {
             nodes: Vec::new(),
             triangles: Vec::new(),
-            scene: words,
-            lights_at,
-            light_tree_at: tree_at.nodes,
-            light_ways_at: tree_at.ways,
-            environment_at,
+            scene: words.words,
+            lights_at: at.lights,
+            light_tree_at: at.tree.nodes,
+            light_ways_at: at.tree.ways,
+            environment_at: at.environment,
             sphere: self.sphere,
             surfaces_at: self.surfaces.surfaces,
             instances_at: self.surfaces.instances,
             random_at: self.random_at,
-            n_lights: self.lights.lights.len() as u32,
+            n_lights: at.n_lights,
             n_baked: if world.placed().is_empty() { k::NONE } else { world.n_baked },
             n_instances: world.placed().len() as u32,
             n_random: self.n_random,
@@ -140,9 +116,9 @@ impl Shading {
             textures_at: self.textures_at,
             srgb_at: self.srgb_at,
             slots_at: self.slots_at,
-            light_groups: self.groups.names,
+            light_groups: at.groups,
             camera_medium: medium_or_none(media, camera.position(), forward),
-            features: self.features | has_tree,
+            features: self.features | at.features,
             media: None,
         }
     }

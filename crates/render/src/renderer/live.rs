@@ -6,19 +6,20 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 
+use midway_device::Device;
 use midway_kernels::constants as k;
 use midway_scene::{Camera, Scene};
 
 use super::{
     Renderer,
-    kept::{Kept, make_film, n_light_paths, n_pixels, upload_words},
+    kept::{Kept, make_film, n_light_paths, n_pixels},
 };
 use crate::{
     Join, RenderError, RenderSettings,
     batch::LaneUses,
     buffers::Pipelines,
     pool::{POOL_KERNELS, PoolSize},
-    sizes::{plan_scene, reserved_slots},
+    sizes::reserved_slots,
 };
 
 /// Of layers, and of what is shown.
@@ -62,14 +63,7 @@ impl Renderer {
     /// [`crate::LightSampling`], or the device fails or is too small.
     pub fn set_settings(&mut self, settings: RenderSettings) -> Result<(), RenderError> {
         settings.validate()?;
-        if settings.rng.table() != self.settings.rng.table() {
-            return Err(RenderError::Settings(
-                "a table of random numbers is fixed from the start".to_owned(),
-            ));
-        }
-        if settings.light_sampling != self.settings.light_sampling {
-            return Err(RenderError::Settings("how lights are chosen is fixed from the start".to_owned()));
-        }
+        check_fixed(&self.settings, &settings)?;
         if settings == self.settings {
             return Ok(());
         }
@@ -90,31 +84,13 @@ impl Renderer {
         if keeps_samples { Ok(()) } else { self.restart() }
     }
 
-    /// Renders the scene under another environment; the next pass is the first again. Hierarchies, images
-    /// and compiled kernels stay, the latter unless the scene had no environment or has none now. `scene`
-    /// differs from the one that the renderer was made with in the environment, and the image it has, alone.
-    /// After an error the renderer is as it was.
-    ///
-    /// # Errors
-    /// If the environment is invalid, or the device fails or is too small.
-    pub fn set_environment(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        let mut kept = self.kept.clone();
-        let mut packed = kept.packed.surrounded(scene, &kept.camera, &self.settings)?;
-        let [nodes, triangles] = ["nodes", "triangles"].map(|name| kept.shared.get(name).bytes());
-        kept.scene_plan = plan_scene(nodes, triangles, &packed);
-        kept.shared.insert("scene", upload_words(&*self.device, "scene", std::mem::take(&mut packed.scene))?);
-        kept.packed = packed.without_copied();
-        kept.light_vertices.clear();
-        self.rebuild_with(kept, self.settings.clone(), false)
-    }
-
     /// Ends a pass early, between two of its batches, when `stop` is set; it is unset then.
     pub fn stop_when(&mut self, stop: Arc<AtomicBool>) {
         self.kept.stop = stop;
     }
 
     /// What compiles all kernels that [`Renderer::set_settings`] may ask for with this scene, one after
-    /// another, and those of [`Renderer::set_environment`] last, to be called on a thread of its own: a
+    /// another, and those of [`super::Basis::surrounded`] last, to be called on a thread of its own: a
     /// change then does not wait for a compiler. One that fails is left to whoever needs it.
     pub fn compile_ahead(&self) -> impl FnOnce() + Send + 'static {
         let (device, packed) = (Arc::clone(&self.device), &self.kept.packed);
@@ -136,11 +112,19 @@ impl Renderer {
     /// As [`Renderer::set_settings`].
     pub fn beside(&self, settings: RenderSettings) -> Result<Self, RenderError> {
         settings.validate()?;
-        let mut kept = self.kept.clone();
+        Self::with_film(Arc::clone(&self.device), self.kept.clone(), settings)
+    }
+
+    /// A renderer with a film of its own around a scene that is on the device.
+    pub(super) fn with_film(
+        device: Arc<dyn Device>,
+        mut kept: Kept,
+        settings: RenderSettings,
+    ) -> Result<Self, RenderError> {
         kept.n_pixels = n_pixels(&settings);
         kept.n_groups = kept.groups_of(&settings);
-        make_film(&*self.device, &mut kept.shared, kept.n_pixels, kept.n_groups)?;
-        Self::build(Arc::clone(&self.device), kept, settings, |_| {})
+        make_film(&*device, &mut kept.shared, kept.n_pixels, kept.n_groups)?;
+        Self::build(device, kept, settings, |_| {})
     }
 
     /// Whether the working buffers do for `settings`; then lanes are cut to them.
@@ -167,15 +151,7 @@ impl Renderer {
 
     /// Takes working buffers anew, around the same scene.
     fn rebuild(&mut self, settings: RenderSettings, keeps_samples: bool) -> Result<(), RenderError> {
-        self.rebuild_with(self.kept.clone(), settings, keeps_samples)
-    }
-
-    fn rebuild_with(
-        &mut self,
-        mut kept: Kept,
-        settings: RenderSettings,
-        keeps_samples: bool,
-    ) -> Result<(), RenderError> {
+        let mut kept = self.kept.clone();
         let (n_pixels, n_groups) = (n_pixels(&settings), kept.groups_of(&settings));
         if n_pixels > kept.n_pixels || n_groups != kept.n_groups {
             (kept.n_pixels, kept.n_groups) = (n_pixels.max(kept.n_pixels), n_groups);
@@ -193,6 +169,17 @@ impl Renderer {
         *self = next;
         if keeps_samples { Ok(()) } else { self.restart() }
     }
+}
+
+/// That `after` asks for nothing that is packed with the scene and other than `before`.
+pub(super) fn check_fixed(before: &RenderSettings, after: &RenderSettings) -> Result<(), RenderError> {
+    if after.rng.table() != before.rng.table() {
+        return Err(RenderError::Settings("a table of random numbers is fixed from the start".to_owned()));
+    }
+    if after.light_sampling != before.light_sampling {
+        return Err(RenderError::Settings("how lights are chosen is fixed from the start".to_owned()));
+    }
+    Ok(())
 }
 
 fn differs_in_k_alone(before: &RenderSettings, after: &RenderSettings) -> bool {
