@@ -13,6 +13,7 @@ const channels = (colour) => [1, 3, 5].map((at) => linear(parseInt(colour.slice(
 
 export class Lights {
   #rows = [];
+  #names = "";
   #touched = -Infinity;
 
   constructor(send) {
@@ -20,8 +21,10 @@ export class Lights {
     element("reset-lights").addEventListener("click", () => this.#reset());
   }
 
-  /** The groups of another scene. */
+  /** The groups of a scene, whose sliders stay where they are the same. */
   show(names) {
+    if (this.#names === JSON.stringify(names)) return;
+    this.#names = JSON.stringify(names);
     this.#rows = names.map((name, i) => this.#row(name, i));
     element("groups").replaceChildren(...this.#rows.map(({ row }) => row));
     element("lights").hidden = !names.length;

@@ -9,7 +9,7 @@ import { plot } from "./plot.js";
 import { Stage } from "./stage.js";
 
 const NOTICE_MS = 5000;
-const state = { scene: null, status: null, input: 0, look: null, sawScene: false };
+const state = { scene: null, status: null, input: 0, look: null, opened: null };
 const camera = new Camera();
 
 fillMethods();
@@ -22,7 +22,7 @@ function notice(text) {
 }
 
 const link = new Link({
-  open() { document.body.classList.remove("offline"); state.sawScene = false; },
+  open() { document.body.classList.remove("offline"); state.opened = null; },
   closed() {
     document.body.classList.add("offline");
     element("scene-name").textContent = "no connection, trying again …";
@@ -39,9 +39,15 @@ const link = new Link({
   scene(scene) {
     if (!scene.view) return;
     state.scene = scene;
-    camera.set(scene.view);
-    element("scene-name").textContent = `${scene.name} · ${scene.triangles.toLocaleString("en")} triangles`;
-    element("cameras").replaceChildren(...scene.cameras.map((one, i) => new Option(one.name || `camera ${i}`, i)));
+    // Of a scene that was changed the hand that turns it knows the view best.
+    if (scene.opened !== state.opened) {
+      state.opened = scene.opened;
+      camera.set(scene.view);
+      element("cameras").replaceChildren(...scene.cameras.map((one, i) => new Option(one.name || `camera ${i}`, i)));
+      listSaved();
+    }
+    const triangles = scene.triangles === 1 ? "triangle" : "triangles";
+    element("scene-name").textContent = `${scene.name} · ${scene.triangles.toLocaleString("en")} ${triangles}`;
     put("fov", Math.round(camera.fov ?? 40));
     element("fov").disabled = camera.fov == null;
     put("env-strength", scene.environment.strength);
@@ -51,7 +57,6 @@ const link = new Link({
     element("variant").replaceChildren(new Option("default", ""), ...variants);
     element("variant").value = scene.variant ?? "";
     lights.show(scene.groups);
-    listSaved();
     showOutputs();
   },
   picked({ point }) {

@@ -2,10 +2,12 @@
 //! browser on this machine or at the other end of a tunnel.
 //!
 //! Three threads and their rooms: the renderer's ([`session`], [`engine`]), which never waits for a
-//! browser; the encoder's ([`frame`]), where the newest picture wins; and the server's ([`server`],
+//! browser, nor for what takes long ([`beside`], [`opening`], [`changing`]); the encoder's ([`frame`]), where the newest picture wins; and the server's ([`server`],
 //! [`client`]). [`protocol`] is what is said over the wire, [`guard`] who may say it.
 
+mod beside;
 mod black;
+mod changing;
 mod client;
 mod engine;
 mod frame;

@@ -1,16 +1,13 @@
 //! Files that are opened: read, decoded and packed on a thread of their own, so that the picture goes on.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::mpsc::{self, Receiver, TryRecvError},
-    thread,
-};
+use std::path::{Path, PathBuf};
 
 use midway_import::Variants;
 use midway_scene::Image;
 
 use crate::{
     ViewError,
+    beside::Beside,
     engine::{Engine, Seed},
 };
 
@@ -37,7 +34,7 @@ type Outcome = Result<Arrival, ViewError>;
 /// At most one file that is being opened, and of those that were asked for meanwhile the last.
 #[derive(Default)]
 pub struct Opening {
-    running: Option<Receiver<Outcome>>,
+    running: Beside<Arrival>,
     next: Option<(PathBuf, Seed)>,
 }
 
@@ -56,27 +53,16 @@ impl Opening {
     /// # Errors
     /// If it could not be opened.
     pub fn arrived(&mut self) -> Option<Outcome> {
-        let outcome = match self.running.as_ref()?.try_recv() {
-            Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => Err(ViewError::Refused("the file could not be opened".into())),
-            Ok(outcome) => outcome,
-        };
-        self.running = None;
+        let outcome = self.running.done()?;
         let goes_on = self.go_on();
         Some(goes_on.and(outcome))
     }
 
     fn go_on(&mut self) -> Result<(), ViewError> {
-        if self.running.is_some() {
-            return Ok(());
+        match self.next.take_if(|_| self.running.is_free()) {
+            Some((path, seed)) => self.running.start(move || open(&path, seed)),
+            None => Ok(()),
         }
-        let Some((path, seed)) = self.next.take() else { return Ok(()) };
-        let (sender, receiver) = mpsc::sync_channel(1);
-        // Nobody may wait for it any more.
-        let open = move || drop(sender.send(open(&path, seed)));
-        thread::Builder::new().name("open".into()).spawn(open)?;
-        self.running = Some(receiver);
-        Ok(())
     }
 }
 

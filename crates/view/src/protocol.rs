@@ -76,13 +76,10 @@ impl Request {
     /// Whether the samples so far are worth nothing once it is carried out.
     pub fn forgets_samples(&self) -> bool {
         match self {
-            Self::Look(_)
-            | Self::Split { .. }
-            | Self::Region { .. }
-            | Self::Restart
-            | Self::Environment(_)
-            | Self::Variant { .. } => true,
+            Self::Look(_) | Self::Split { .. } | Self::Region { .. } | Self::Restart => true,
             Self::Render(wish) => wish.size.is_some() || wish.max_path_length.is_some(),
+            // The picture goes on until these are ready.
+            Self::Environment(_) | Self::Variant { .. } => false,
             Self::Decoded
             | Self::Take
             | Self::Show(_)

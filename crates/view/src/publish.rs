@@ -15,9 +15,10 @@ use tokio::sync::watch;
 use crate::{
     ViewError,
     frame::{Encoding, Pixels},
+    pick,
     protocol::{Method, Shown, Surroundings, ToneMapName},
     session::{Command, Session},
-    told::{figures, scene_message},
+    told::{Outline, figures, scene_message},
 };
 
 /// Pictures are sent no more often.
@@ -41,8 +42,11 @@ impl Publisher {
     pub fn start(scene: &Scene, name: &str, camera: &Camera, display: Display) -> Result<Self, ViewError> {
         let (encoding, frames) = Encoding::start()?;
         let (status, status_receiver) = watch::channel(Arc::from("{}"));
-        let told = scene_message(scene, name, camera, (&[], None), Surroundings::of(scene)).to_string();
-        let (session, commands) = Session::of(frames, status_receiver, watch::channel(Arc::from(told)).1);
+        let seen = (camera, pick::middle(scene, camera));
+        let outline = Outline::of(scene);
+        let told = scene_message((scene, &outline, name), seen, (&[], None), Surroundings::of(scene));
+        let (session, commands) =
+            Session::of(frames, status_receiver, watch::channel(Arc::from(told.to_string())).1);
         let tone_map = match display.tone_map {
             ToneMap::Linear => ToneMapName::Linear,
             ToneMap::Agx => ToneMapName::Agx,

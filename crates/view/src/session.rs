@@ -21,12 +21,14 @@ use tokio::sync::{broadcast, oneshot, watch};
 
 use crate::{
     ViewError,
-    engine::{Engine, Half, Haste, Seed},
+    beside::put_away,
+    changing::{Changing, News},
+    engine::{Engine, Half, Haste, Prepared, Seed},
     frame::{Encoding, Frame},
     measured::Measured,
     opening::{Arrival, Opened, Opening, name_of},
     pick,
-    protocol::{Method, Request, Shown, Surroundings},
+    protocol::{Method, Request, Shown},
     save::{self, Format},
     told::{figures, scene_message},
 };
@@ -124,6 +126,8 @@ impl Session {
             stale: true,
             failure: None,
             opening: Opening::default(),
+            changing: Changing::default(),
+            opened: 0,
         };
         worker.tell_scene();
         thread::Builder::new().name("render".into()).spawn(move || worker.run(&inbox))?;
@@ -175,6 +179,9 @@ struct Worker {
     stale: bool,
     failure: Option<String>,
     opening: Opening,
+    changing: Changing,
+    /// Scenes that were opened.
+    opened: u32,
 }
 
 impl Worker {
@@ -185,6 +192,7 @@ impl Worker {
                 let outcome = outcome.and_then(|arrival| self.welcome(arrival));
                 self.tell_refusal(outcome);
             }
+            self.change();
             let idle = self.is_idle();
             let wait = if idle { Duration::from_millis(100) } else { Duration::ZERO };
             match inbox.recv_timeout(wait) {
@@ -251,8 +259,12 @@ impl Worker {
             Request::Split { right } => engine.split(right)?,
             Request::Region { window } => engine.region(window)?,
             Request::Restart => engine.restart()?,
-            Request::Environment(surroundings) => engine.surround(surroundings, None)?,
-            Request::Variant { index } => self.take_variant(index)?,
+            Request::Environment(surroundings) => {
+                surroundings.check()?;
+                self.changing.surround(surroundings);
+                return Ok(());
+            }
+            Request::Variant { index } => return self.ask_for_variant(index),
             Request::Pause { paused } => {
                 self.paused = paused;
                 return Ok(());
@@ -272,17 +284,39 @@ impl Worker {
         Ok(())
     }
 
-    fn take_variant(&mut self, index: Option<u32>) -> Result<(), ViewError> {
-        let materials = self.variants.materials(index);
-        let none = || ViewError::Refused("the scene has no such variant".into());
-        let taken =
-            materials.ok_or_else(none).and_then(|materials| self.engine.dress(&self.device, &materials));
-        if taken.is_ok() {
-            self.variant = index;
+    fn ask_for_variant(&mut self, index: Option<u32>) -> Result<(), ViewError> {
+        let Some(materials) = self.variants.materials(index) else {
+            self.tell_scene(); // what was refused is not to be shown as taken
+            return Err(ViewError::Refused("the scene has no such variant".into()));
+        };
+        self.changing.dress(materials, index);
+        Ok(())
+    }
+
+    /// Shows a change of the scene that is ready, and has the next prepared.
+    fn change(&mut self) {
+        if let Some(outcome) = self.changing.ready() {
+            self.stale = true;
+            let outcome = outcome.and_then(|(prepared, news)| self.take(prepared, news));
+            if outcome.is_err() {
+                self.tell_scene(); // what was refused is not to be shown as taken
+            }
+            self.tell_refusal(outcome);
         }
-        // Groups of lights may be others; what was refused is no longer shown as taken.
-        self.tell_scene();
-        taken
+        let outcome = self.changing.go_on(|| self.engine.sketch());
+        self.tell_refusal(outcome);
+    }
+
+    fn take(&mut self, prepared: Prepared, news: News) -> Result<(), ViewError> {
+        put_away(self.engine.take(prepared)?);
+        (self.measured, self.failure) = (Measured::default(), None);
+        match news {
+            News::Surroundings => {}
+            News::Environment(warnings) => self.warn(&warnings),
+            News::Variant(index) => self.variant = index,
+        }
+        self.tell_scene(); // groups of lights may be others
+        Ok(())
     }
 
     /// Begins to open a scene or an environment; the picture goes on meanwhile.
@@ -299,15 +333,18 @@ impl Worker {
         self.opening.start(path, seed)
     }
 
-    /// Shows what was opened.
+    /// Shows a scene that was opened, or has an environment prepared.
     fn welcome(&mut self, arrival: Arrival) -> Result<(), ViewError> {
         match arrival.opened {
             Opened::Environment(image) => {
-                self.engine.surround(Surroundings { strength: 1.0, rotation: 0.0 }, Some(image))?;
+                self.changing.replace(image, arrival.warnings);
+                return Ok(());
             }
             Opened::Scene(mut engine, variants) => {
                 engine.succeed(&self.engine)?;
-                self.engine = *engine;
+                self.opened += 1;
+                self.changing.forget();
+                put_away(std::mem::replace(&mut self.engine, *engine));
                 (self.name, self.reference) = (arrival.name, None);
                 (self.variants, self.variant) = (variants, None);
             }
@@ -349,9 +386,11 @@ impl Worker {
     }
 
     fn tell_scene(&self) {
-        let Engine { scene, camera, surroundings, .. } = &self.engine;
-        let told =
-            scene_message(scene, &self.name, camera, (self.variants.names(), self.variant), *surroundings);
+        let Engine { scene, outline, camera, target, surroundings, .. } = &self.engine;
+        let of = (&**scene, outline, &*self.name);
+        let variants = (self.variants.names(), self.variant);
+        let mut told = scene_message(of, (camera, *target), variants, *surroundings);
+        told["opened"] = self.opened.into();
         self.scene.send_replace(told.to_string().into());
     }
 

@@ -1,7 +1,8 @@
 //! What browsers are told, as JSON.
 
+use glam::Vec3;
 use midway_render::{RenderStats, Renderer};
-use midway_scene::{Camera, Scene};
+use midway_scene::{Bounds, Camera, Scene};
 use serde_json::{Value, json};
 
 use crate::{
@@ -22,35 +23,47 @@ pub fn figures(renderer: &Renderer, stats: &RenderStats, seconds: f64, rays: u64
     })
 }
 
-/// What browsers are told of a scene: with the names of its variants of materials and the place of the one that
-/// is taken, and with what is around it.
+/// What browsers are told of a scene that changes with nothing they ask for. To find it all triangles are asked.
+pub struct Outline {
+    bounds: Bounds,
+    cameras: Vec<Value>,
+}
+
+impl Outline {
+    /// Of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let view = |camera: &Camera| view_of(camera, pick::middle(scene, camera));
+        Self { bounds: scene.bounds(), cameras: scene.cameras.iter().map(view).collect() }
+    }
+}
+
+/// What browsers are told of a scene: seen by a camera that is turned about a place; with the names of its
+/// variants of materials and the place of the one that is taken, and with what is around it.
 pub fn scene_message(
-    scene: &Scene,
-    name: &str,
-    camera: &Camera,
+    (scene, outline, name): (&Scene, &Outline, &str),
+    (camera, target): (&Camera, Vec3),
     (variants, variant): (&[String], Option<u32>),
     surroundings: Surroundings,
 ) -> Value {
-    let (bounds, counts) = (scene.bounds(), scene.counts());
+    let (bounds, counts) = (outline.bounds, scene.counts());
     let groups = scene.light_groups().names;
-    let cameras: Vec<Value> = scene.cameras.iter().map(|camera| view_of(scene, camera)).collect();
     json!({
         "type": "scene", "name": name, "triangles": counts.triangles,
         "lights": counts.emissive_triangles + scene.lights.len(),
-        "cameras": cameras, "view": view_of(scene, camera),
+        "cameras": outline.cameras, "view": view_of(camera, target),
         "bounds": [bounds.min.to_array(), bounds.max.to_array()],
         "environment": surroundings, "variants": variants, "variant": variant, "groups": Value::from_iter(groups.iter().map(|name| &**name)),
     })
 }
 
-/// A camera as browsers know it.
-fn view_of(scene: &Scene, camera: &Camera) -> Value {
+/// A camera as browsers know it, turned about a place in front of it.
+fn view_of(camera: &Camera, target: Vec3) -> Value {
     let eye = camera.position();
-    let direction = |axis: glam::Vec3| camera.world_from_camera.transform_vector3(axis).normalize();
-    let distance = eye.distance(pick::middle(scene, camera));
+    let direction = |axis: Vec3| camera.world_from_camera.transform_vector3(axis).normalize();
+    let distance = eye.distance(target);
     json!({
-        "name": camera.name, "eye": eye.to_array(), "up": direction(glam::Vec3::Y).to_array(),
-        "target": (eye + direction(glam::Vec3::NEG_Z) * distance).to_array(),
+        "name": camera.name, "eye": eye.to_array(), "up": direction(Vec3::Y).to_array(),
+        "target": (eye + direction(Vec3::NEG_Z) * distance).to_array(),
         "fov": camera.yfov().map(f32::to_degrees), "lens": camera.lens_radius, "focus": camera.focus_distance,
     })
 }

@@ -1,9 +1,8 @@
 //! What the render thread works with: a scene, its renderers, and how they are to be shown.
 
-mod dress;
+mod change;
 mod frame;
 mod half;
-mod surround;
 
 use std::{
     sync::Arc,
@@ -14,13 +13,17 @@ use std::{
 use glam::Vec3;
 use midway_device::Device;
 use midway_render::{Aov, Hold, HoldLimits, IntegratorSettings, Join, RenderSettings, Renderer};
-use midway_scene::{Camera, Environment, Projection, Scene};
+use midway_scene::{Camera, Projection, Scene, Surround};
 
-pub use self::half::{Half, Haste};
-use self::surround::WHITE;
+use self::change::WHITE;
+pub use self::{
+    change::{Change, Prepared, Sketch},
+    half::{Half, Haste},
+};
 use crate::{
-    ViewError,
+    ViewError, pick,
     protocol::{Layer, Method, Shown, Surroundings, View, Wish, crop},
+    told::Outline,
 };
 
 /// The camera rests when no input came for this long.
@@ -55,13 +58,17 @@ pub struct Engine {
     /// The scene, with the environment and the materials as they are now.
     pub scene: Arc<Scene>,
     /// The environment as it was loaded, or dropped; where there was none, what stands for it.
-    base: Environment,
+    base: Surround,
     /// How much of it there is, and its turn.
     pub surroundings: Surroundings,
     /// Images of the scene as it was loaded.
     n_images: usize,
+    /// What browsers are told of it, whatever changes.
+    pub outline: Outline,
     /// The one looked through.
     pub camera: Camera,
+    /// The place that it is turned about.
+    pub target: Vec3,
     /// What is asked for while the camera rests.
     pub settings: RenderSettings,
     /// The whole picture, or its left.
@@ -100,16 +107,23 @@ impl Engine {
         let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds(), 1.0));
         let settings = RenderSettings { aovs: aovs(shown.layer), crop: None, ..settings };
         let scene = Arc::new(scene);
-        let left = half_of(&device, &scene, &camera, &settings, &haste)?;
+        let mut left = Renderer::new(device, &scene, &camera, settings.clone())?;
+        left.stop_when(Arc::clone(&haste.stop));
+        compile_beside(&left)?;
         let hold = Hold::new(hold_limits(&settings, hold_time));
         Ok(Self {
-            base: scene.environment.unwrap_or(WHITE),
+            base: match scene.environment {
+                Some(_) => Surround::of(&scene),
+                None => Surround { environment: Some(WHITE), image: None },
+            },
             surroundings: Surroundings::of(&scene),
             n_images: scene.images.len(),
+            target: pick::middle(&scene, &camera),
+            outline: Outline::of(&scene),
             scene,
             camera,
             settings,
-            left,
+            left: Half::new(left),
             right: None,
             right_k: 1,
             shown,
@@ -181,6 +195,7 @@ impl Engine {
             focus_distance: positive(view.focus).unwrap_or_else(|| eye.distance(target)),
             ..self.camera.clone()
         };
+        self.target = target;
         self.next_camera = Some(self.camera.clone());
         (self.moved_at, self.previewed) = (Some(Instant::now()), false);
         self.input = view.input;
@@ -246,16 +261,6 @@ impl Engine {
         self.right = Some(Half::new(renderer));
         self.right_k = method.k;
         self.restart()
-    }
-
-    /// Puts the second integrator beside a first that renders another scene.
-    fn split_again(&mut self) -> Result<(), ViewError> {
-        let right = self.right.take().map(|half| half.renderer.settings().integrator);
-        match right {
-            // Less than its K may be under way while the camera moves.
-            Some(integrator) => self.split(Some(Method { k: self.right_k, ..Method::of(&integrator) })),
-            None => Ok(()),
-        }
     }
 
     /// Forgets all samples.
@@ -328,18 +333,10 @@ impl Engine {
     }
 }
 
-/// A renderer of a scene whose passes can be ended; its other kernels are compiled beside.
-fn half_of(
-    device: &Arc<dyn Device>,
-    scene: &Scene,
-    camera: &Camera,
-    settings: &RenderSettings,
-    haste: &Haste,
-) -> Result<Half, ViewError> {
-    let mut renderer = Renderer::new(Arc::clone(device), scene, camera, settings.clone())?;
-    renderer.stop_when(Arc::clone(&haste.stop));
+/// Compiles the kernels of a renderer's other settings on a thread of its own.
+fn compile_beside(renderer: &Renderer) -> Result<(), ViewError> {
     thread::Builder::new().name("compile".into()).spawn(renderer.compile_ahead())?;
-    Ok(Half::new(renderer))
+    Ok(())
 }
 
 /// What a layer is made of.

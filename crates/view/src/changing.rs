@@ -1,0 +1,84 @@
+//! Changes of the scene that is shown: prepared one at a time on a thread of their own, so that the picture goes
+//! on until they are ready.
+
+use midway_scene::Image;
+
+use crate::{
+    ViewError,
+    beside::Beside,
+    engine::{Change, Prepared, Sketch},
+    protocol::Surroundings,
+};
+
+/// What is told once a change is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub enum News {
+    /// What is around the scene.
+    Surroundings,
+    /// An environment from a file, and what of this is not used.
+    Environment(Vec<String>),
+    /// A variant of materials.
+    Variant(Option<u32>),
+}
+
+/// At most one change that is being prepared, and of each kind that was asked for meanwhile the last.
+#[derive(Default)]
+pub struct Changing {
+    running: Beside<(Prepared, News)>,
+    surround: Option<(Surroundings, Option<Image>, News)>,
+    dress: Option<(Vec<u32>, Option<u32>)>,
+}
+
+impl Changing {
+    /// Asks for another strength or turn of the environment.
+    pub fn surround(&mut self, surroundings: Surroundings) {
+        let (image, news) = match self.surround.take() {
+            Some((_, image, news)) => (image, news),
+            None => (None, News::Surroundings),
+        };
+        self.surround = Some((surroundings, image, news));
+    }
+
+    /// Asks for another environment.
+    pub fn replace(&mut self, image: Image, warnings: Vec<String>) {
+        let whole = Surroundings { strength: 1.0, rotation: 0.0 };
+        self.surround = Some((whole, Some(image), News::Environment(warnings)));
+    }
+
+    /// Asks for the materials of a variant.
+    pub fn dress(&mut self, materials: Vec<u32>, variant: Option<u32>) {
+        self.dress = Some((materials, variant));
+    }
+
+    /// The change that has become ready since this was last asked.
+    pub fn ready(&mut self) -> Option<Result<(Prepared, News), ViewError>> {
+        self.running.done()
+    }
+
+    /// Begins with what was asked for, if nothing is being prepared. `sketch`: of the scene as it is shown
+    /// now, with all that has become ready.
+    ///
+    /// # Errors
+    /// If the system refuses a thread.
+    pub fn go_on(&mut self, sketch: impl FnOnce() -> Sketch) -> Result<(), ViewError> {
+        if !self.running.is_free() {
+            return Ok(());
+        }
+        let Some((change, news)) = self.next() else { return Ok(()) };
+        let sketch = sketch();
+        self.running.start(move || Ok((sketch.prepare(change)?, news)))
+    }
+
+    fn next(&mut self) -> Option<(Change, News)> {
+        if let Some((materials, variant)) = self.dress.take() {
+            return Some((Change::Dress(materials), News::Variant(variant)));
+        }
+        let (surroundings, image, news) = self.surround.take()?;
+        Some((Change::Surround(surroundings, image), news))
+    }
+
+    /// Forgets all changes: another scene is shown.
+    pub fn forget(&mut self) {
+        *self = Self::default();
+    }
+}

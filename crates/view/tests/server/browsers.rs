@@ -1,0 +1,86 @@
+//! Browsers that look and steer.
+
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use crate::running::{Running, SIZE, look};
+
+fn picture_of(frame: &[u8]) -> image::RgbImage {
+    let length = u32::from_le_bytes(frame[24..28].try_into().expect("four")) as usize;
+    image::load_from_memory(&frame[28..28 + length]).expect("a JPEG").to_rgb8()
+}
+
+#[tokio::test]
+async fn frames_show_what_was_asked_and_figures_say_so() {
+    let server = Running::start(None, false);
+    let mut browser = server.browser().await;
+    let scene = browser.told("scene").await;
+    assert_eq!(scene["name"], "cornell-box.gltf");
+    assert_eq!(scene["variants"], json!([]));
+    browser.ask(look(7)).await;
+    // On a busy machine the first frames are of 3 x 3 pixels and one sample, which find hardly any light.
+    let picture = loop {
+        let picture = picture_of(&browser.frame_of(7).await);
+        if picture.width() >= SIZE / 2 {
+            break picture;
+        }
+    };
+    assert!(picture.pixels().any(|pixel| pixel.0.iter().any(|byte| *byte > 60)), "black");
+    let method = json!({ "integrator": "bdpt", "join": "k-step", "k": 5 });
+    browser.ask(json!({ "type": "render", "method": method })).await;
+    let status =
+        browser.told_that(|m| m["type"] == "status" && m["left"]["samples"].as_u64() > Some(8)).await;
+    assert!(status["left"]["integrator"].as_str().expect("said").contains("k=5"), "{status}");
+    assert_eq!(status["left"]["size"], json!([SIZE, SIZE]));
+    browser.ask(json!({ "type": "split", "right": { "integrator": "path" } })).await;
+    let split =
+        browser.told_that(|m| m["type"] == "status" && m["right"]["samples"].as_u64() > Some(2)).await;
+    let seconds = |half: &str| split[half]["seconds"].as_f64().expect("a number");
+    assert!((seconds("left") / seconds("right")).ln().abs() <= 1.0, "{split}");
+    browser.ask(json!({ "type": "pick", "x": 0.5, "y": 0.5 })).await;
+    assert!(browser.told("picked").await["point"].is_array());
+}
+
+#[tokio::test]
+async fn one_browser_steers_and_another_may_take_over() {
+    let server = Running::start(None, false);
+    let mut first = server.browser().await;
+    assert_eq!(first.told("role").await["steers"], true);
+    let mut second = server.browser().await;
+    assert_eq!(second.told("role").await["steers"], false);
+    second.ask(look(1)).await;
+    assert!(second.told("refused").await["reason"].as_str().expect("said").contains("steers"));
+    assert_eq!(server.put("/upload/1/a.glb", &second.key, b"x"), 403);
+    second.ask(json!({ "type": "take" })).await;
+    second.told_that(|m| m["type"] == "role" && m["steers"] == true).await;
+    second.ask(look(2)).await;
+    second.frame_of(2).await;
+    drop(second);
+    first.told_that(|m| m["type"] == "role" && m["steers"] == true).await;
+}
+
+#[tokio::test]
+async fn a_browser_that_takes_nothing_stalls_nobody() {
+    let server = Running::start(None, false);
+    let mut steering = server.browser().await;
+    let _deaf = [server.browser().await, server.browser().await];
+    for input in 1..=30 {
+        let asked = Instant::now();
+        steering.ask(look(input)).await;
+        steering.frame_of(input).await;
+        assert!(asked.elapsed() < Duration::from_secs(5), "frame {input} took {:?}", asked.elapsed());
+    }
+}
+
+#[tokio::test]
+async fn a_picture_to_be_looked_at_cannot_be_changed() {
+    let server = Running::start(None, true);
+    let mut browser = server.browser().await;
+    assert_eq!(browser.told("role").await["read_only"], true);
+    for request in [look(1), json!({ "type": "take" }), json!({ "type": "restart" })] {
+        browser.ask(request).await;
+        browser.told("refused").await;
+    }
+    assert_eq!(server.put("/upload/1/a.glb", &browser.key, b"x"), 403);
+}

@@ -1,0 +1,66 @@
+//! Files that are opened and saved.
+
+use std::path::Path;
+
+use midway_film::ExrFile;
+use serde_json::{Value, json};
+use tokio_tungstenite::tungstenite::Message;
+
+use crate::running::{Running, SIZE, look, own_scene};
+
+#[tokio::test]
+async fn uploads_are_opened_and_pictures_saved() {
+    let server = Running::start(None, false);
+    let mut browser = server.browser().await;
+    for file in ["lamp.gltf", "lamp.bin"] {
+        let bytes = std::fs::read(own_scene(file)).expect("is there");
+        assert_eq!(server.put(&format!("/upload/9/my%20lamp/{file}"), &browser.key, &bytes), 204);
+    }
+    assert_eq!(server.put("/upload/9/..%2f..%2fx.glb", &browser.key, b"x"), 400);
+    assert_eq!(server.put("/upload/9/.hidden", &browser.key, b"x"), 400);
+    assert_eq!(server.put("/upload/9/x.glb", "guess", b"x"), 403);
+    browser.ask(json!({ "type": "open", "batch": 9, "path": "my lamp/lamp.gltf" })).await;
+    browser.told_that(|m| m["type"] == "scene" && m["name"] == "lamp.gltf").await;
+    browser.told_that(|m| m["type"] == "status" && m["left"]["samples"].as_u64() > Some(2)).await;
+    let (status, _, exr) = server.get("/save/exr", "");
+    assert_eq!(status, 200);
+    let file = ExrFile::from_bytes(Path::new("saved.exr"), &exr).expect("an EXR");
+    let image = file.image().expect("has a picture");
+    assert_eq!(image.size(), [SIZE as usize; 2]);
+    assert!(!image.is_black());
+    let (status, _, png) = server.get("/save/png", "");
+    assert!(status == 200 && png.starts_with(b"\x89PNG"));
+    browser.ask(json!({ "type": "open", "batch": 9, "path": "my lamp/lamp.bin" })).await;
+    browser.told("refused").await;
+    browser.told_that(|m| m["type"] == "status" && m["failure"].is_null()).await;
+}
+
+/// A scene that takes its time is opened beside the picture, which answers meanwhile.
+#[tokio::test]
+async fn the_picture_goes_on_while_a_scene_is_opened() {
+    const SIDE: usize = 400;
+    let server = Running::start(None, false);
+    let mut browser = server.browser().await;
+    let vertices = (0..SIDE * SIDE).map(|i| format!("v {} {} {}\n", i % SIDE, i / SIDE, i % 7));
+    let corners = (0..SIDE * (SIDE - 1)).filter(|i| i % SIDE + 1 < SIDE).map(|i| i + 1);
+    let faces = corners.map(|i| format!("f {i} {} {} {}\n", i + 1, i + 1 + SIDE, i + SIDE));
+    let field: String = vertices.chain(faces).collect();
+    assert_eq!(server.put("/upload/3/field.obj", &browser.key, field.as_bytes()), 204);
+    browser.ask(json!({ "type": "open", "batch": 3, "path": "field.obj" })).await;
+    browser.ask(look(7)).await;
+    let is_field = |message: &Value| message["type"] == "scene" && message["name"] == "field.obj";
+    loop {
+        match browser.next().await {
+            Message::Binary(bytes) => {
+                browser.ask(json!({ "type": "decoded" })).await;
+                if bytes[8..12] == 7u32.to_le_bytes() {
+                    break;
+                }
+            }
+            Message::Text(text) => assert!(!is_field(&serde_json::from_str(&text).expect("JSON"))),
+            _ => {}
+        }
+    }
+    let triangles = browser.told_that(is_field).await["triangles"].as_u64();
+    assert_eq!(triangles, Some(2 * (SIDE as u64 - 1).pow(2)));
+}
