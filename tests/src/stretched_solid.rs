@@ -90,7 +90,8 @@ impl Boundary {
         let q = f64::from(k::SOLID_BLEND) * self.alpha[1] / self.alpha[0];
         let share = wo.y * wo.y / (wo.x * wo.x + wo.y * wo.y).max(1e-20);
         let blend = q * share / (1.0 - (1.0 - q) * share);
-        let functions: &[f64] = if dense { &[1.0, x, x * x, x * x * x, blend] } else { &[1.0, x, x * x, blend] };
+        let functions: &[f64] =
+            if dense { &[1.0, x, x * x, x * x * x, blend] } else { &[1.0, x, x * x, blend] };
         (0..POWERS).flat_map(|power| functions.iter().map(move |f| f * root.powi(power as i32))).collect()
     }
 

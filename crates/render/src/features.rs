@@ -33,9 +33,7 @@ fn material_features(material: &Material) -> u32 {
     let surface = surface_features(&material.surface);
     let stretched = surface & k::FEATURE_ANISOTROPY != 0;
     let solid = if stretched && inside != 0 { k::FEATURE_STRETCHED_SOLIDS } else { 0 };
-    set.iter()
-        .filter(|(has, _)| *has)
-        .fold(surface | inside | solid, |all, (_, feature)| all | feature)
+    set.iter().filter(|(has, _)| *has).fold(surface | inside | solid, |all, (_, feature)| all | feature)
 }
 
 /// Whether a coat's normals are not those of the surface below.

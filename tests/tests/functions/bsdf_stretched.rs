@@ -224,12 +224,15 @@ fn solids_give_back_what_quadrature_says_is_lost() {
                 let w = single(if alpha.0 > alpha.1 { larger_along } else { turned });
                 for dense in [false, true] {
                     let loss = boundary.loss(larger_along, dense, CELLS);
-                    let found = [lib::loss_at(below, !dense, w), lib::loss_at(above, dense, w)].map(f64::from);
+                    let found =
+                        [lib::loss_at(below, !dense, w), lib::loss_at(above, dense, w)].map(f64::from);
                     assert!((found[0] - found[1]).abs() <= 2e-5, "either side is as the other: {found:?}");
-                    let error = ratios.map(|ratio| (ratio * found[0] - loss).abs()).into_iter().fold(0.0, f64::max);
+                    let error =
+                        ratios.map(|ratio| (ratio * found[0] - loss).abs()).into_iter().fold(0.0, f64::max);
                     let side = &mut worst[usize::from(dense)];
                     if !(error <= side.0) {
-                        *side = (error, format!("{loss:.3} is {error:.4} off at n {n}, {cosine}, {azimuth}°"));
+                        *side =
+                            (error, format!("{loss:.3} is {error:.4} off at n {n}, {cosine}, {azimuth}°"));
                     }
                 }
             }

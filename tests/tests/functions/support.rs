@@ -162,7 +162,8 @@ fn solid(plain: Albedos, alpha: Vec2<f32>, ior: f32) -> Albedos {
                 let t = place[axis] - first[axis] as f32;
                 if step[axis] == 1 { t } else { 1.0 - t }
             };
-            let entry = ((first[0] + i) * lib::SOLID_INDICES + first[1] + j) * lib::SOLID_RATIOS + first[2] + k;
+            let entry =
+                ((first[0] + i) * lib::SOLID_INDICES + first[1] + j) * lib::SOLID_RATIOS + first[2] + k;
             row(lib::SOLID_AT + entry * lib::SOLID_STRIDE + word) * (weight(0) * weight(1) * weight(2))
         };
         let pair = |i, j| corner(i, j, 0) + corner(i, j, 1);
