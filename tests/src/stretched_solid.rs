@@ -33,7 +33,7 @@ const FUNCTIONS: [usize; 2] = [4, 5];
 /// Under this α what is lost is all close to grazing, and errors count by how small it is elsewhere: else
 /// they would be most of the mean.
 const SMALLEST_ALPHA: f64 = 0.1;
-const LITTLE_LOSS: f64 = 0.02;
+const LITTLE_LOSS: f64 = 0.04;
 /// Cells of means over the hemisphere, in the cosine's root and in a quarter turn.
 const MEAN_CELLS: [usize; 2] = [128, 12];
 /// Numbers of an entry.
