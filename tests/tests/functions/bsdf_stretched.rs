@@ -233,7 +233,7 @@ fn solids_give_back_what_quadrature_says_is_lost() {
                     let error =
                         ratios.map(|ratio| (ratio * found[0] - loss).abs()).into_iter().fold(0.0, f64::max);
                     let side = &mut worst[usize::from(dense)];
-                    if !(error <= side.0) {
+                    if error > side.0 || error.is_nan() {
                         *side =
                             (error, format!("{loss:.3} is {error:.4} off at n {n}, {cosine}, {azimuth}°"));
                     }
