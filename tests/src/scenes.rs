@@ -104,6 +104,20 @@ pub fn specular_furnace() -> Known {
     Known::new("specular furnace", scene, false, |_, _| Vec3::ONE)
 }
 
+/// White furnace with a ball of glass in view that is rough along and nearly smooth across, by all bounces
+/// between its facets or by single ones alone, which lose light.
+pub fn stretched_furnace(single_bounce: bool) -> Known {
+    let mut scene = furnace_room();
+    let roughness = Roughness { along: 1.0.into(), across: 0.04.into(), squared: false, single_bounce };
+    let mut surface = dielectric(false, 0.0);
+    if let Surface::Dielectric { transmission, sigma_a, roughness: of_surface, .. } = &mut surface {
+        (*transmission, *sigma_a, *of_surface) = (Vec3::ONE.into(), Vec3::ZERO, roughness);
+    }
+    let ball = Shape::icosphere(3, Vec3::new(0.0, 0.0, -0.1), 0.7);
+    add(&mut scene, ball, Material::new(surface));
+    Known::new("stretched furnace", scene, false, |_, _| Vec3::ONE)
+}
+
 fn furnace_room() -> Scene {
     let mut scene = Scene::default();
     let room = Shape::cuboid(Vec3::splat(-1.0), Vec3::new(1.0, 1.0, 2.0)).inside_out();

@@ -30,8 +30,12 @@ const RIDGE: f64 = 3e-5;
 const POWERS: usize = 6;
 /// Functions of the azimuth, from the rarer side and from the denser.
 const FUNCTIONS: [usize; 2] = [4, 5];
-/// Cells of means over the hemisphere, in the squared cosine and in a quarter turn.
-const MEAN_CELLS: usize = 32;
+/// Under this α what is lost is all close to grazing, and errors count by how small it is elsewhere: else
+/// they would be most of the mean.
+const SMALLEST_ALPHA: f64 = 0.1;
+const LITTLE_LOSS: f64 = 0.04;
+/// Cells of means over the hemisphere, in the cosine's root and in a quarter turn.
+const MEAN_CELLS: [usize; 2] = [128, 12];
 /// Numbers of an entry.
 const NUMBERS: usize = 4 * k::SOLID_STRIDE as usize;
 
@@ -198,22 +202,23 @@ impl Fit {
 
 /// The mean over the hemisphere of what is found lost, weighted by the cosine.
 fn mean(at: Boundary, dense: bool, corners: &[(usize, f64)], coefficients: &[f64]) -> f64 {
-    let n = MEAN_CELLS;
-    let place = |i: usize| (i as f64 + 0.5) / n as f64;
+    let [n, azimuths] = MEAN_CELLS;
+    let place = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
     let of = |i: usize| {
-        let wo = direction(place(i % n).sqrt(), place(i / n) * FRAC_PI_2);
-        value(corners, &at.terms(wo, dense), coefficients)
+        let root = place(i % n, n);
+        let wo = direction(root * root, place(i / n, azimuths) * FRAC_PI_2);
+        4.0 * root.powi(3) * value(corners, &at.terms(wo, dense), coefficients) // 2 μ dμ = 4 √μ³ d√μ
     };
-    (0..n * n).map(of).sum::<f64>() / (n * n) as f64
+    (0..n * azimuths).map(of).sum::<f64>() / (n * azimuths) as f64
 }
 
 fn samples(larger: f64, dense: bool) -> Vec<Sample> {
     let at = |(boundary, corners): (Boundary, Vec<(usize, f64)>)| {
-        let sample = move |wo| Sample {
-            corners: corners.clone(),
-            terms: boundary.terms(wo, dense),
-            loss: boundary.loss(wo, dense, CELLS),
-            weight: 1.0,
+        let sample = move |wo| {
+            let loss = boundary.loss(wo, dense, CELLS);
+            let weight =
+                if larger < SMALLEST_ALPHA { (LITTLE_LOSS / (LITTLE_LOSS + loss)).powi(2) } else { 1.0 };
+            Sample { corners: corners.clone(), terms: boundary.terms(wo, dense), loss, weight }
         };
         boundary.directions().map(sample).collect::<Vec<_>>()
     };

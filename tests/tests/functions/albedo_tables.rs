@@ -6,7 +6,7 @@ use midway_tests::{
     stretched, stretched_solid,
 };
 
-/// The test computes one entry of so many: all of them take 30 s.
+/// The test computes one entry of so many: all of them take 30 s, and those of solids two minutes more.
 const EVERY: usize = 17;
 /// Numbers of the first two tables, and of an entry of the third.
 const N_OF_CURVES: usize = 4 * k::STRETCHED_AT as usize;

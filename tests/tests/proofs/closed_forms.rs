@@ -79,6 +79,28 @@ fn a_white_furnace_is_white_with_mirror_and_glass_in_view() {
     prove_on_cpu(&scenes::specular_furnace());
 }
 
+/// Within what the tables leave (TESTING.md), on both devices, which read them from the scene.
+#[test]
+fn stretched_glass_is_white_in_a_furnace() {
+    let _turn = in_turn();
+    let mut report = Report::default();
+    for device in std::iter::once(cpu()).chain(gpu()) {
+        for single_bounce in [false, true] {
+            let known = scenes::stretched_furnace(single_bounce);
+            let (name, found) = compare(&device, &known, &integrators::path(), SAMPLES);
+            let is_white = (found.ratio - 1.0).abs() <= 0.02 + 3.0 * found.ratio_error;
+            let text = format!(
+                "{}, {name}, single {single_bounce}: {:.4} +- {:.4}",
+                device.info().name,
+                found.ratio,
+                found.ratio_error
+            );
+            report.note(&text, is_white != single_bounce);
+        }
+    }
+    report.finish();
+}
+
 #[test]
 fn a_closed_sphere_has_the_radiance_of_the_geometric_series() {
     prove_on_cpu(&scenes::closed_sphere());
