@@ -12,7 +12,8 @@
 // without a smaller α do is a problem in their plane alone, of the index n′ = √((n² - p²) / (1 - p²)), p
 // the index times the part of the direction across (which refraction keeps), where p < 1; beyond, from
 // the denser side, they are a mirror's (x = 0). What is given back is within 0.02 of what quadrature says is
-// lost, where the smaller α is under a tenth of the larger within 0.03.
+// lost, where the smaller α is under a tenth of the larger within 0.03. Limits: nothing is fitted under a
+// cosine of 0.02; losses there are off by up to 0.05 at 0.01, 0.4 at 0.001.
 
 struct Curve {
     /// Coefficients of (√μ)⁰ … (√μ)³.
