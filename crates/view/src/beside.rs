@@ -7,14 +7,18 @@ use std::{
 
 use crate::ViewError;
 
-/// At most one piece of work that is under way.
+type Piece = Box<dyn FnOnce() + Send>;
+
+/// At most one piece of work that is under way. The thread stays for the next: what threads that come and go
+/// allocate ends up spread over the allocator's arenas, which then grow.
 pub struct Beside<T> {
+    thread: Option<mpsc::Sender<Piece>>,
     running: Option<Receiver<Result<T, ViewError>>>,
 }
 
 impl<T> Default for Beside<T> {
     fn default() -> Self {
-        Self { running: None }
+        Self { thread: None, running: None }
     }
 }
 
@@ -34,9 +38,11 @@ impl<T: Send + 'static> Beside<T> {
     ) -> Result<(), ViewError> {
         let (sender, receiver) = mpsc::sync_channel(1);
         // Nobody may wait for it any more.
-        let work = move || drop(sender.send(work()));
-        thread::Builder::new().name("beside".into()).spawn(work)?;
-        self.running = Some(receiver);
+        let piece: Piece = Box::new(move || drop(sender.send(work())));
+        let thread = self.thread.take().filter(|_| self.running.is_none());
+        let thread = thread.map_or_else(new_thread, Ok)?;
+        thread.send(piece).map_err(|_| lost())?;
+        (self.thread, self.running) = (Some(thread), Some(receiver));
         Ok(())
     }
 
@@ -44,12 +50,25 @@ impl<T: Send + 'static> Beside<T> {
     pub fn done(&mut self) -> Option<Result<T, ViewError>> {
         let outcome = match self.running.as_ref()?.try_recv() {
             Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => Err(ViewError::Refused("it could not be made ready".into())),
+            Err(TryRecvError::Disconnected) => {
+                self.thread = None; // it panicked
+                Err(lost())
+            }
             Ok(outcome) => outcome,
         };
         self.running = None;
         Some(outcome)
     }
+}
+
+fn lost() -> ViewError {
+    ViewError::Refused("it could not be made ready".into())
+}
+
+fn new_thread() -> Result<mpsc::Sender<Piece>, ViewError> {
+    let (sender, pieces) = mpsc::channel::<Piece>();
+    thread::Builder::new().name("beside".into()).spawn(move || pieces.iter().for_each(|piece| piece()))?;
+    Ok(sender)
 }
 
 /// Gives back the memory of what is needed no more: pages of large buffers take a while.
@@ -94,5 +113,7 @@ mod tests {
         let mut beside = Beside::<()>::default();
         beside.start(|| panic!("on purpose")).unwrap();
         assert!(wait(&mut beside).is_err() && beside.is_free());
+        beside.start(|| Ok(())).unwrap();
+        wait(&mut beside).unwrap();
     }
 }

@@ -3,6 +3,7 @@
 //! error; `MIDWAY_NIGHTLY=1` takes more samples and holds means to 0.3 %.
 
 mod agreement;
+mod basis;
 mod cameras;
 mod closed_forms;
 mod crops;
