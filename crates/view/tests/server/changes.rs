@@ -154,6 +154,7 @@ async fn the_picture_goes_on_while_a_variant_is_prepared() {
     }
     browser.told_that(|m| m["type"] == "scene" && m["variant"] == 1).await;
     assert_eq!(browser.told("scene").await["variant"], 0, "those between are left out");
+    browser.told_that(|m| m["type"] == "status" && m["left"]["samples"].as_u64() > Some(0)).await;
     assert_eq!(saved(&server).1.as_deref(), Some("Red"));
 }
 
