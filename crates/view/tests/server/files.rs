@@ -22,14 +22,12 @@ async fn uploads_are_opened_and_pictures_saved() {
     browser.ask(json!({ "type": "open", "batch": 9, "path": "my lamp/lamp.gltf" })).await;
     browser.told_that(|m| m["type"] == "scene" && m["name"] == "lamp.gltf").await;
     browser.told_that(|m| m["type"] == "status" && m["left"]["samples"].as_u64() > Some(2)).await;
-    let (status, _, exr) = server.get("/save/exr", "");
-    assert_eq!(status, 200);
+    let exr = server.saved("exr");
     let file = ExrFile::from_bytes(Path::new("saved.exr"), &exr).expect("an EXR");
     let image = file.image().expect("has a picture");
     assert_eq!(image.size(), [SIZE as usize; 2]);
     assert!(!image.is_black());
-    let (status, _, png) = server.get("/save/png", "");
-    assert!(status == 200 && png.starts_with(b"\x89PNG"));
+    assert!(server.saved("png").starts_with(b"\x89PNG"));
     browser.ask(json!({ "type": "open", "batch": 9, "path": "my lamp/lamp.bin" })).await;
     browser.told("refused").await;
     browser.told_that(|m| m["type"] == "status" && m["failure"].is_null()).await;

@@ -96,6 +96,18 @@ impl Running {
         self.ask(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n{headers}\r\n"), b"")
     }
 
+    /// The picture as a file, once it has samples: what is told of it may be of the picture before a change.
+    pub fn saved(&self, format: &str) -> Vec<u8> {
+        let deadline = Instant::now() + DEADLINE;
+        loop {
+            match self.get(&format!("/save/{format}"), "") {
+                (200, _, file) => return file,
+                (409, ..) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(20)),
+                (status, _, why) => panic!("{status}: {}", String::from_utf8_lossy(&why)),
+            }
+        }
+    }
+
     pub fn put(&self, path: &str, key: &str, body: &[u8]) -> u16 {
         let (host, n) = (self.address(), body.len());
         let head = format!(
