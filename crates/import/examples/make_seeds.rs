@@ -24,6 +24,11 @@ fn main() -> std::io::Result<()> {
     ] {
         write(target, name, &encoded(&pixels, format))?;
     }
+    let level = [10, 20, 30, 40];
+    // A frame of one segment of 4 bytes, in a single raw block.
+    let zstd = [&[0x28, 0xb5, 0x2f, 0xfd, 0x20, 4, 4 << 3 | 1, 0, 0], &level[..]].concat();
+    write("ktx", "plain.ktx2", &ktx(0, &level))?;
+    write("ktx", "zstd.ktx2", &ktx(2, &zstd))?;
     write("ply", "ascii.ply", PLY.as_bytes())?;
     write("ply", "binary.ply", &binary_ply())?;
     write("obj", "all.obj", OBJ.as_bytes())?;
@@ -46,6 +51,19 @@ fn main() -> std::io::Result<()> {
         write("serialized", &index.to_string(), &[&[index], &meshes[..]].concat())?;
     }
     write("pbrt", "box.pbrt", &fs::read(scenes.join("same/box.pbrt"))?)
+}
+
+/// A KTX2 file of two texels of two bytes, stored by a supercompression scheme.
+fn ktx(scheme: u32, stored: &[u8]) -> Vec<u8> {
+    let (header, length) = (104, stored.len() as u32);
+    let [vk_format, type_size, width, height, faces, levels] = [16, 1, 2, 1, 1, 1];
+    let mut bytes = b"\xabKTX 20\xbb\r\n\x1a\n".to_vec();
+    let words = [vk_format, type_size, width, height, 0, 0, faces, levels, scheme];
+    let index = [0; 8];
+    let level = [header, 0, length, 0, 4, 0];
+    bytes.extend(words.into_iter().chain(index).chain(level).flat_map(u32::to_le_bytes));
+    bytes.extend(stored);
+    bytes
 }
 
 fn encoded(pixels: &DynamicImage, format: ImageFormat) -> Vec<u8> {

@@ -136,7 +136,7 @@ pub(super) fn size(reader: &mut impl Read) -> Result<[u32; 2], Problem> {
     let inflated = long(&header, 96);
     // Blocks of the smallest images are larger than these.
     let texels = u64::from(width.max(64)) * u64::from(height.max(64));
-    if inflated > texels * BYTES_PER_TEXEL {
+    if inflated > texels.saturating_mul(BYTES_PER_TEXEL) {
         return Err(damaged("its first level is longer than its size allows"));
     }
     Ok([width, height])
@@ -243,5 +243,15 @@ mod tests {
         };
         assert_eq!(size(&mut &header(8)[..]).unwrap(), [4, 4]);
         assert!(size(&mut &header(7)[..]).is_err());
+    }
+
+    /// Found by the fuzz target: how many bytes such texels may take did not fit into 64 bits.
+    #[test]
+    fn the_largest_sizes_of_a_header_are_told() {
+        let mut header = [0; HEADER_BYTES];
+        for (at, word) in [(20, u32::MAX), (24, u32::MAX), (36, 1)] {
+            header[at..at + 4].copy_from_slice(&word.to_le_bytes());
+        }
+        assert_eq!(size(&mut &header[..]).unwrap(), [u32::MAX; 2]);
     }
 }
