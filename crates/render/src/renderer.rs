@@ -10,7 +10,11 @@ mod megakernel;
 mod passes;
 mod shared;
 
-use std::sync::{Arc, atomic::AtomicU32};
+use std::{
+    panic::resume_unwind,
+    sync::{Arc, atomic::AtomicU32},
+    thread,
+};
 
 use midway_device::{BoundKernel, Buffer, BufferUsage, Device, DeviceKind, MemoryPlan};
 use midway_film::{Channel, Image};
@@ -21,17 +25,18 @@ pub use basis::Basis;
 pub use megakernel::Megakernel;
 
 use self::{
-    kept::{Kept, load_kernels, make_film, n_pixels, read_image, upload},
+    kept::{Kept, load_kernels, make_film, n_pixels, put_on_device, read_image},
     passes::Pass,
 };
 use crate::{
-    BounceRays, PackedScene, RenderError, RenderSettings,
+    BounceRays, RenderError, RenderSettings,
     aov::Aovs,
     batch::{KernelTimes, Lane, LaneTotals, LaneUses},
     buffers::dispatch,
+    pack::Packing,
     params::{mixed_seed, samples_by_tree},
     pool::{Pool, PoolSize},
-    sizes::{plan_scene, plan_shared},
+    sizes::plan_shared,
 };
 
 /// Paths in flight of a GPU's first batch, before anything was measured.
@@ -107,17 +112,22 @@ impl Renderer {
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         settings.validate()?;
-        let mut packed = PackedScene::new(scene, camera, &settings, device.info().kind)?;
+        let packing = Packing::new(scene, &settings, device.info().kind)?;
+        let (features, n_light_groups) = (packing.features(), packing.n_light_groups());
+        let load = || load_kernels(&*device, features, n_light_groups, &settings);
         let n_pixels = n_pixels(&settings);
-        let bytes = |words: &[[u32; 4]]| size_of_val(words) as u64;
-        let [nodes, triangles, words] = [&packed.nodes, &packed.triangles, &packed.scene].map(|w| bytes(w));
-        let scene_plan = plan_scene([nodes, triangles, words, packed.images.bytes()]);
-        let n_groups = if settings.light_groups { packed.light_groups.len() as u32 } else { 1 };
-        plan_shared(&scene_plan, &settings, n_pixels, n_groups).check(device.info())?;
-        let pipelines = load_kernels(&*device, &packed, &settings)?;
-        let mut shared = upload(&*device, &mut packed)?;
+        let n_groups = if settings.light_groups { n_light_groups } else { 1 };
+        let check =
+            |scene: &MemoryPlan| plan_shared(scene, &settings, n_pixels, n_groups).check(device.info());
+        // A driver takes longer to compile than hierarchies take to be built.
+        let (pipelines, prepared) = thread::scope(|scope| {
+            let pipelines = scope.spawn(load);
+            let prepared = put_on_device(&*device, packing, camera, check);
+            (pipelines.join().unwrap_or_else(|panic| resume_unwind(panic)), prepared)
+        });
+        let (pipelines, (packed, scene_plan, mut shared)) = (pipelines?, prepared?);
         make_film(&*device, &mut shared, n_pixels, n_groups)?;
-        let (packed, camera) = (packed.without_copied(), camera.clone());
+        let camera = camera.clone();
         let (light_vertices, stop) = (Vec::new(), Arc::default());
         let kept =
             Kept { packed, scene_plan, pipelines, shared, n_pixels, n_groups, camera, light_vertices, stop };
@@ -131,7 +141,7 @@ impl Renderer {
         settings: RenderSettings,
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
-        kept.pipelines = load_kernels(&*device, &kept.packed, &settings)?;
+        kept.load_kernels(&*device, &settings)?;
         let (base, mean_light_vertices) = kept.base_params(&*device, &settings)?;
         let pipelines = &kept.pipelines;
         let mut shared = kept.shared.clone();

@@ -62,8 +62,11 @@ fn fill<const N: usize>(words: &mut [Word4], primitives: &[u32], slot: impl Fn(u
 pub(super) struct SurfacesAt {
     pub surfaces: u32,
     pub instances: u32,
-    /// Whether any triangle has attributes.
-    pub has_attributes: bool,
+}
+
+/// Whether any triangle has attributes.
+pub(super) fn has_attributes(world: &World<'_>) -> bool {
+    world.baked().chain(meshes(world)).any(|placed| attribute_kinds(placed.mesh()).is_some())
 }
 
 /// What shading needs of each triangle: surfaces, their attributes, instances.
@@ -80,11 +83,10 @@ pub(super) fn pack_surfaces(world: &World<'_>, lights: &Lights, words: &mut Vec<
             words[surfaces + triangle as usize * k::SURFACE_STRIDE as usize + 1][3] = index;
         }
     }
-    let has_attributes = !packer.attributes.is_empty();
     words.append(&mut packer.attributes);
     let instances = words.len();
     pack_instances(world, words);
-    SurfacesAt { surfaces: surfaces as u32, instances: instances as u32, has_attributes }
+    SurfacesAt { surfaces: surfaces as u32, instances: instances as u32 }
 }
 
 fn meshes<'a>(world: &World<'a>) -> impl Iterator<Item = PlacedMesh<'a>> {

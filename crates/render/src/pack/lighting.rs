@@ -38,8 +38,6 @@ pub(super) struct LightingAt {
     /// The kernels' NONE where there is no environment.
     pub environment: u32,
     pub groups: Vec<Arc<str>>,
-    /// Of [`FEATURES`].
-    pub features: u32,
 }
 
 impl Lighting {
@@ -65,6 +63,18 @@ impl Lighting {
         Ok(Self { lights, tree, environment, groups })
     }
 
+    /// Of [`FEATURES`].
+    pub fn features(&self) -> u32 {
+        let has_tree = self.tree.as_ref().is_some_and(|tree| !tree.nodes.is_empty());
+        let has = [(self.environment.is_some(), k::FEATURE_ENVIRONMENT), (has_tree, k::FEATURE_LIGHT_TREE)];
+        has.iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit)
+    }
+
+    /// Groups of lights, at least one.
+    pub fn n_groups(&self) -> u32 {
+        self.groups.names.len() as u32
+    }
+
     /// Appends it. `media`: none where no material has an inside.
     pub fn pack(self, world: &World<'_>, media: Option<&MediumFinder<'_>>, words: &mut Words) -> LightingAt {
         let lights = words.next();
@@ -74,12 +84,7 @@ impl Lighting {
         if let Some(environment) = &self.environment {
             pack_environment(environment, self.lights.environment(), words);
         }
-        let has = [
-            (self.environment.is_some(), k::FEATURE_ENVIRONMENT),
-            (tree.nodes != k::NONE, k::FEATURE_LIGHT_TREE),
-        ];
-        let features = has.iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit);
         let n_lights = self.lights.lights.len() as u32;
-        LightingAt { lights, n_lights, tree, environment, groups: self.groups.names, features }
+        LightingAt { lights, n_lights, tree, environment, groups: self.groups.names }
     }
 }

@@ -49,6 +49,60 @@ impl Words {
     }
 }
 
+/// A scene on its way to be packed: what kernels must know of it to be compiled is known first, hierarchies
+/// come last.
+pub struct Packing<'a> {
+    world: World<'a>,
+    hierarchy: Width,
+    shading: Shading,
+}
+
+impl<'a> Packing<'a> {
+    /// Begins to pack a scene for a kind of device, which decides by which hierarchy it is traversed. Of
+    /// `settings` it has what is fixed from the start: pre-generated random numbers, and the tree over lights.
+    ///
+    /// # Errors
+    /// If the scene is invalid, or its images or environment have more texels than kernels can address.
+    pub fn new(scene: &'a Scene, settings: &RenderSettings, device: DeviceKind) -> Result<Self, RenderError> {
+        scene.validate()?;
+        let world = World::new(scene)?;
+        let hierarchy = hierarchy_of(device, scene);
+        let mut shading = Shading::of(&world, settings)?;
+        shading.features |= if hierarchy == Width::Wide { k::FEATURE_WIDE } else { 0 };
+        Ok(Self { world, hierarchy, shading })
+    }
+
+    /// What kernels need for the scene: `FEATURE_*` in WGSL.
+    pub fn features(&self) -> u32 {
+        self.shading.features
+    }
+
+    /// Groups of lights, at least one.
+    pub fn n_light_groups(&self) -> u32 {
+        self.shading.n_light_groups()
+    }
+
+    /// Builds the hierarchies and packs everything, as seen by a camera.
+    ///
+    /// # Errors
+    /// If no hierarchy can be built over the scene.
+    pub fn finish(self, camera: &Camera) -> Result<PackedScene, RenderError> {
+        let Self { world, hierarchy, shading } = self;
+        let positions = world.baked_positions();
+        // One after the other: at once they take a third more memory, and hardly less time.
+        let two_level = world.build(&positions, hierarchy)?;
+        let media = MediumFinder::new(&two_level, &positions, &world);
+        let packed = shading.pack(&world, media.as_ref(), camera);
+        let first_ids: Vec<u32> = world.placed().iter().map(|part| part.first_id).collect();
+        Ok(PackedScene {
+            triangles: pack_triangles(&two_level, &world, &positions),
+            nodes: two_level.nodes(&first_ids),
+            media: CameraMedia::keep(&world, two_level, positions).map(Arc::new),
+            ..packed
+        })
+    }
+}
+
 /// Everything about a scene that kernels read, ready to be copied to a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedScene {
@@ -102,35 +156,17 @@ pub struct PackedScene {
 }
 
 impl PackedScene {
-    /// Packs a scene as seen by a camera for a kind of device, which decides by which hierarchy it is
-    /// traversed. Of `settings` it has what is fixed from the start: pre-generated random numbers, and the
-    /// tree over lights.
+    /// Packs a scene as seen by a camera, as [`Packing`] does.
     ///
     /// # Errors
-    /// If the scene is invalid or no hierarchy can be built over it.
+    /// As [`Packing::new`] and [`Packing::finish`].
     pub fn new(
         scene: &Scene,
         camera: &Camera,
         settings: &RenderSettings,
         device: DeviceKind,
     ) -> Result<Self, RenderError> {
-        scene.validate()?;
-        let world = World::new(scene)?;
-        let positions = world.baked_positions();
-        let hierarchy = hierarchy_of(device, scene);
-        // One after the other: at once they take a third more memory, and hardly less time.
-        let two_level = world.build(&positions, hierarchy)?;
-        let media = MediumFinder::new(&two_level, &positions, &world);
-        let packed = Shading::pack(&world, settings)?.with_lights(&world, media.as_ref(), camera);
-        let wide = if hierarchy == Width::Wide { k::FEATURE_WIDE } else { 0 };
-        let first_ids: Vec<u32> = world.placed().iter().map(|part| part.first_id).collect();
-        Ok(Self {
-            triangles: pack_triangles(&two_level, &world, &positions),
-            nodes: two_level.nodes(&first_ids),
-            features: packed.features | wide,
-            media: CameraMedia::keep(&world, two_level, positions).map(Arc::new),
-            ..packed
-        })
+        Packing::new(scene, settings, device)?.finish(camera)
     }
 
     /// The same scene with something else around it. Of the words of `scene` it has those from `lights_at`
@@ -149,9 +185,9 @@ impl PackedScene {
         let world = World::new(scene)?;
         let media = self.media.as_ref().map(|media| media.finder(&world));
         let lighting = Lighting::of(&world, surround, self.sphere, settings.light_sampling)?;
+        let features = self.features & !lighting::FEATURES | lighting.features();
         let mut words = Words { first: self.lights_at, words: Vec::new() };
         let at = lighting.pack(&world, media.as_ref(), &mut words);
-        let features = self.features & !lighting::FEATURES | at.features;
         Ok(Self {
             scene: words.words,
             light_tree_at: at.tree.nodes,
@@ -187,7 +223,7 @@ impl PackedScene {
             return Ok(None);
         }
         let media = self.media.as_ref().map(|media| media.finder(&world));
-        let packed = Shading::pack(&world, settings)?.with_lights(&world, media.as_ref(), camera);
+        let packed = Shading::of(&world, settings)?.pack(&world, media.as_ref(), camera);
         let features = packed.features | self.features & k::FEATURE_WIDE;
         Ok(Some(Self { features, media: self.media.clone(), ..packed }))
     }

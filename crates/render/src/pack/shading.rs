@@ -1,5 +1,6 @@
 //! What shading reads of a scene (`scene` in WGSL): all that needs no hierarchy, and what shines behind it,
-//! whose media a hierarchy tells.
+//! whose media a hierarchy tells. What kernels must know of it comes first, so that they can be compiled while
+//! the hierarchy is built.
 
 use glam::Vec3;
 use midway_kernels::constants as k;
@@ -7,36 +8,35 @@ use midway_scene::{Camera, Sphere, Surround};
 
 use super::{
     PackedScene, Word4, Words,
-    geometry::{SurfacesAt, pack_surfaces},
+    geometry::{has_attributes, pack_surfaces},
     lighting::Lighting,
     materials::{albedo_tables, pack_material},
     medium_or_none,
-    slots::pack_slots,
+    slots::{Slots, pack_slots},
     textures::{PackedImages, TextureTable, srgb_table},
 };
 use crate::{RenderError, RenderSettings, features::scene_features, medium::MediumFinder, world::World};
 
-/// The words so far, and what is to be packed behind them.
+/// What is known of it before any triangle is packed.
 pub(super) struct Shading {
+    /// Tables of albedos, then materials.
     words: Vec<Word4>,
+    slots: Vec<Slots>,
+    textures: TextureTable,
     images: PackedImages,
-    surfaces: SurfacesAt,
-    random_at: u32,
     n_random: u32,
-    slots_at: u32,
-    textures_at: u32,
-    srgb_at: u32,
     sphere: Sphere,
     lighting: Lighting,
-    features: u32,
+    /// `FEATURE_*` of all that shading reads.
+    pub features: u32,
 }
 
 impl Shading {
-    /// Everything of a valid scene but the words of what shines.
+    /// Of a valid scene.
     ///
     /// # Errors
     /// If the images or the environment have more texels than kernels can address.
-    pub fn pack(world: &World<'_>, settings: &RenderSettings) -> Result<Self, RenderError> {
+    pub fn of(world: &World<'_>, settings: &RenderSettings) -> Result<Self, RenderError> {
         let scene = world.scene();
         let sphere = scene.bounds().sphere();
         let lighting = Lighting::of(world, &Surround::of(scene), sphere, settings.light_sampling)?;
@@ -47,53 +47,44 @@ impl Shading {
         for material in &scene.materials {
             let (record, flags) = pack_slots(scene, material, &mut images, &mut textures);
             words.extend(pack_material(material, flags));
-            slots.extend(record);
+            slots.push(record);
         }
         images.check()?;
-        let surfaces = pack_surfaces(world, &lighting.lights, &mut words);
         let random = settings.rng.table();
+        let set = [
+            (!world.placed().is_empty(), k::FEATURE_INSTANCES),
+            (has_attributes(world), k::FEATURE_ATTRIBUTES),
+            (!textures.words().is_empty(), k::FEATURE_TEXTURES),
+            (random.is_some(), k::FEATURE_RANDOM_TABLE),
+        ];
+        let features = set
+            .iter()
+            .filter(|(has, _)| *has)
+            .fold(scene_features(scene) | lighting.features(), |all, (_, bit)| all | bit);
+        let n_random = random.unwrap_or(0);
+        Ok(Self { words, slots, textures, images, n_random, sphere, lighting, features })
+    }
+
+    /// Groups of lights, at least one.
+    pub fn n_light_groups(&self) -> u32 {
+        self.lighting.n_groups()
+    }
+
+    /// All of a packed scene but hierarchies, as seen by a camera. `media`: none where no material has an
+    /// inside.
+    pub fn pack(self, world: &World<'_>, media: Option<&MediumFinder<'_>>, camera: &Camera) -> PackedScene {
+        let mut words = self.words;
+        let surfaces = pack_surfaces(world, &self.lighting.lights, &mut words);
         let mut append = |part: &mut dyn Iterator<Item = Word4>| {
             let at = words.len() as u32;
             words.extend(part);
             at
         };
-        let random_at = append(&mut (0..random.unwrap_or(0)).map(pregenerated_numbers));
-        let slots_at = append(&mut slots.into_iter());
-        let textures_at = append(&mut textures.words().iter().copied());
+        let random_at = append(&mut (0..self.n_random).map(pregenerated_numbers));
+        let slots_at = append(&mut self.slots.into_iter().flatten());
+        let textures_at = append(&mut self.textures.words().iter().copied());
         let srgb_at = append(&mut srgb_table().into_iter());
-        let set = [
-            (!world.placed().is_empty(), k::FEATURE_INSTANCES),
-            (surfaces.has_attributes, k::FEATURE_ATTRIBUTES),
-            (!textures.words().is_empty(), k::FEATURE_TEXTURES),
-            (random.is_some(), k::FEATURE_RANDOM_TABLE),
-        ];
-        let features =
-            set.iter().filter(|(has, _)| *has).fold(scene_features(scene), |all, (_, bit)| all | bit);
-        let n_random = random.unwrap_or(0);
-        Ok(Self {
-            words,
-            images,
-            surfaces,
-            random_at,
-            n_random,
-            slots_at,
-            textures_at,
-            srgb_at,
-            sphere,
-            lighting,
-            features,
-        })
-    }
-
-    /// With what shines behind it: all of a packed scene but hierarchies, as seen by a camera. `media`: none
-    /// where no material has an inside.
-    pub fn with_lights(
-        self,
-        world: &World<'_>,
-        media: Option<&MediumFinder<'_>>,
-        camera: &Camera,
-    ) -> PackedScene {
-        let mut words = Words { first: 0, words: self.words };
+        let mut words = Words { first: 0, words };
         let at = self.lighting.pack(world, media, &mut words);
         let forward = camera.world_from_camera.transform_vector3(Vec3::NEG_Z);
         PackedScene {
@@ -105,20 +96,20 @@ impl Shading {
             light_ways_at: at.tree.ways,
             environment_at: at.environment,
             sphere: self.sphere,
-            surfaces_at: self.surfaces.surfaces,
-            instances_at: self.surfaces.instances,
-            random_at: self.random_at,
+            surfaces_at: surfaces.surfaces,
+            instances_at: surfaces.instances,
+            random_at,
             n_lights: at.n_lights,
             n_baked: if world.placed().is_empty() { k::NONE } else { world.n_baked },
             n_instances: world.placed().len() as u32,
             n_random: self.n_random,
             images: self.images,
-            textures_at: self.textures_at,
-            srgb_at: self.srgb_at,
-            slots_at: self.slots_at,
+            textures_at,
+            srgb_at,
+            slots_at,
             light_groups: at.groups,
             camera_medium: medium_or_none(media, camera.position(), forward),
-            features: self.features | at.features,
+            features: self.features,
             media: None,
         }
     }

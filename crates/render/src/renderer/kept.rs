@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, atomic::AtomicBool};
 
-use midway_device::{Buffer, BufferUsage, Device, MemoryPlan};
+use midway_device::{Buffer, BufferUsage, Device, DeviceError, MemoryPlan};
 use midway_film::Image;
 use midway_kernels::{constants as k, layout::Params};
 use midway_scene::Camera;
@@ -11,9 +11,10 @@ use crate::{
     Crop, LightPaths, PackedScene, RenderError, RenderSettings,
     batch::{Lane, LaneSize, LaneUses},
     buffers::{BufferSet, Pipelines},
+    pack::Packing,
     params::{base_params, join_factor},
     pool::POOL_KERNELS,
-    sizes::{Sizes, plan_shared},
+    sizes::{Sizes, plan_scene, plan_shared},
 };
 
 /// Light paths of the pilot that measures L.
@@ -66,6 +67,17 @@ impl Kept {
         Ok((base, mean))
     }
 
+    /// Compiles what other settings need.
+    pub fn load_kernels(
+        &mut self,
+        device: &dyn Device,
+        settings: &RenderSettings,
+    ) -> Result<(), RenderError> {
+        let n_light_groups = self.packed.light_groups.len() as u32;
+        self.pipelines = load_kernels(device, self.packed.features, n_light_groups, settings)?;
+        Ok(())
+    }
+
     pub fn sizes(
         &self,
         device: &dyn Device,
@@ -91,8 +103,25 @@ pub(super) fn n_light_paths(settings: &RenderSettings) -> u32 {
     }
 }
 
+/// Packs a scene and puts it on the device, if `check` finds room for it there: what is left of it on the
+/// host, its memory and its buffers.
+pub(super) fn put_on_device(
+    device: &dyn Device,
+    packing: Packing<'_>,
+    camera: &Camera,
+    check: impl FnOnce(&MemoryPlan) -> Result<(), DeviceError>,
+) -> Result<(PackedScene, MemoryPlan, BufferSet), RenderError> {
+    let mut packed = packing.finish(camera)?;
+    let bytes = |words: &[[u32; 4]]| size_of_val(words) as u64;
+    let [nodes, triangles, words] = [&packed.nodes, &packed.triangles, &packed.scene].map(|w| bytes(w));
+    let plan = plan_scene([nodes, triangles, words, packed.images.bytes()]);
+    check(&plan)?;
+    let set = upload(device, &mut packed)?;
+    Ok((packed.without_copied(), plan, set))
+}
+
 /// Hands the scene's words over to the device, and copies its images there.
-pub(super) fn upload(device: &dyn Device, packed: &mut PackedScene) -> Result<BufferSet, RenderError> {
+fn upload(device: &dyn Device, packed: &mut PackedScene) -> Result<BufferSet, RenderError> {
     let mut set = BufferSet::default();
     let parts =
         [("nodes", &mut packed.nodes), ("triangles", &mut packed.triangles), ("scene", &mut packed.scene)];
@@ -117,16 +146,17 @@ pub(super) fn upload_words(
     Ok(device.create_buffer_of(name, words, BufferUsage::Storage)?)
 }
 
-/// Compiles what `settings` need, all at once, for this scene.
+/// Compiles what `settings` need, all at once, for a scene that has these features and groups of lights.
 pub(super) fn load_kernels(
     device: &dyn Device,
-    packed: &PackedScene,
+    features: u32,
+    n_light_groups: u32,
     settings: &RenderSettings,
 ) -> Result<Pipelines, RenderError> {
     let pool_kernels = settings.integrator.uses_pool().then_some(POOL_KERNELS);
     let names = LaneUses::of(settings).kernels().chain(pool_kernels.into_iter().flatten()).chain(["resolve"]);
-    let apart = settings.light_groups && packed.light_groups.len() > 1;
-    let features = packed.features | if apart { k::FEATURE_LIGHT_GROUPS } else { 0 };
+    let apart = settings.light_groups && n_light_groups > 1;
+    let features = features | if apart { k::FEATURE_LIGHT_GROUPS } else { 0 };
     Ok(Pipelines::load(device, features, &names.collect::<Vec<_>>())?)
 }
 
