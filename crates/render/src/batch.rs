@@ -83,8 +83,8 @@ pub struct Lane {
     plan_queue: BoundKernel,
     plan_shadow: BoundKernel,
     trace_shadow: BoundKernel,
-    /// Nanoseconds.
-    longest_run: AtomicU64,
+    /// Nanoseconds that no dispatch lasted longer than.
+    longest_dispatch: AtomicU64,
     /// Of each kernel so far, while that is asked for.
     times: Mutex<Option<KernelTimes>>,
     recorder: Recorder,
@@ -93,9 +93,27 @@ pub struct Lane {
 }
 
 /// The time on the device of each kernel, by its name.
-pub type KernelTimes = BTreeMap<&'static str, Duration>;
+pub type KernelTimes = BTreeMap<&'static str, KernelTime>;
 
-/// Rays read back so far, of a batch of `n_paths`.
+/// The time on the device of a kernel's dispatches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KernelTime {
+    /// All of them together.
+    pub total: Duration,
+    /// The longest.
+    pub longest: Duration,
+}
+
+impl std::ops::Add for KernelTime {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { total: self.total + other.total, longest: self.longest.max(other.longest) }
+    }
+}
+
+/// Rays read back so far; `n_paths`: of the batch under way.
+#[derive(Default)]
 struct Recording {
     n_paths: u32,
     bounces: Vec<BounceRays>,
@@ -217,7 +235,7 @@ impl Lane {
             plan_queue: bind("plan_queue")?,
             plan_shadow: bind("plan_shadow")?,
             trace_shadow: bind("trace_shadow")?,
-            longest_run: AtomicU64::new(0),
+            longest_dispatch: AtomicU64::new(0),
         })
     }
 
@@ -246,9 +264,9 @@ impl Lane {
         fits
     }
 
-    /// The longest list of commands since this was last asked: no dispatch lasted longer.
-    pub fn take_longest_run(&self) -> Duration {
-        Duration::from_nanos(self.longest_run.swap(0, Ordering::Relaxed))
+    /// What no dispatch lasted longer than since this was last asked.
+    pub fn take_longest_dispatch(&self) -> Duration {
+        Duration::from_nanos(self.longest_dispatch.swap(0, Ordering::Relaxed))
     }
 
     /// Traces the light subpaths of `params`' batch and keeps their vertices; those that last one
@@ -289,6 +307,10 @@ impl Lane {
             let mut commands = vec![dispatch(connect_camera, end - first)];
             commands.extend(self.shadow_commands());
             self.run(device, &commands)?;
+            if let Some(recording) = &mut *self.recording() {
+                let shadow = self.recorder.shadow(device)?;
+                recording.bounces.push(BounceRays { closest: Vec::new(), shadow });
+            }
             first = end;
         }
         Ok(())
@@ -310,14 +332,14 @@ impl Lane {
         self.run_until_empty(device, start, &bounce)
     }
 
-    /// Calls `work`, which traces batches of `n_paths` on this lane, and returns every ray that was
-    /// traced, bounce by bounce. One bounce at a time: slower, with the same results.
+    /// Calls `work`, which traces a batch on this lane, and returns every ray that was traced, bounce by
+    /// bounce: those of light paths first, then what projects their vertices onto the film. One bounce at a
+    /// time: slower, with the same results.
     pub fn record(
         &self,
-        n_paths: u32,
         work: impl FnOnce() -> Result<(), RenderError>,
     ) -> Result<Vec<BounceRays>, RenderError> {
-        *self.recording() = Some(Recording { n_paths, bounces: Vec::new() });
+        *self.recording() = Some(Recording::default());
         let outcome = work();
         let recorded = self.recording().take();
         outcome.map(|()| recorded.map(|r| r.bounces).unwrap_or_default())
@@ -339,6 +361,9 @@ impl Lane {
     /// Writes a batch's constants and counters; `queued` paths will be in the queue's write half.
     fn begin(&self, device: &dyn Device, params: &Params, queued: u32) -> Result<(), RenderError> {
         debug_assert!(params.n_paths <= self.size.n_paths && params.n_places <= self.size.n_places);
+        if let Some(recording) = &mut *self.recording() {
+            recording.n_paths = params.n_paths;
+        }
         device.write_buffer(&self.params, 0, bytemuck::bytes_of(params))?;
         let mut counters = [0u32; BATCH_COUNTERS];
         counters[k::COUNT_OUT as usize] = queued;
@@ -368,8 +393,7 @@ impl Lane {
         let repeated: Vec<Command> = bounce.iter().cycle().take(bounce.len() * chunk).cloned().collect();
         commands.extend(repeated.iter().cloned());
         loop {
-            let wall = self.run(device, &commands)?;
-            self.longest_run.fetch_max(wall.as_nanos() as u64, Ordering::Relaxed);
+            self.run(device, &commands)?;
             if self.counter(device, k::COUNT_IN)? == 0 {
                 return Ok(());
             }
@@ -377,14 +401,18 @@ impl Lane {
         }
     }
 
-    /// Runs commands, timed kernel by kernel where that is asked for; how long all of them took.
-    fn run(&self, device: &dyn Device, commands: &[Command]) -> Result<Duration, RenderError> {
+    /// Runs commands, timed kernel by kernel where that is asked for.
+    fn run(&self, device: &dyn Device, commands: &[Command]) -> Result<(), RenderError> {
         let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
         let timing = device.run(commands, times.is_some())?;
         if let Some(times) = &mut *times {
-            timing.dispatches.iter().for_each(|&(kernel, time)| *times.entry(kernel).or_default() += time);
+            for &(kernel, time) in &timing.dispatches {
+                let sum = times.entry(kernel).or_default();
+                *sum = *sum + KernelTime { total: time, longest: time };
+            }
         }
-        Ok(timing.wall)
+        self.longest_dispatch.fetch_max(timing.wall.as_nanos() as u64, Ordering::Relaxed);
+        Ok(())
     }
 
     /// Starts to time each kernel, from zero.

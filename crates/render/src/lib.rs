@@ -36,7 +36,7 @@ mod world;
 
 pub use aov::Aov;
 pub use auto::{Candidate, Choice, choose};
-pub use batch::{KernelTimes, LaneTotals};
+pub use batch::{KernelTime, KernelTimes, LaneTotals};
 pub use error::RenderError;
 pub use hold::{Hold, HoldLimits, Load};
 pub use pack::PackedScene;

@@ -249,19 +249,24 @@ impl Renderer {
         self.aovs.channels(&*self.device, self.samples, self.base.n_pixels)
     }
 
-    /// The rays of one batch from the image's first pixel on, read back bounce by bounce, for measuring
-    /// them alone; of light paths first where the integrator has them. All samples are forgotten.
+    /// The rays of a sample of each pixel, read back batch by batch and bounce by bounce, for measuring them
+    /// alone; in each batch those of light paths come first. All samples are forgotten.
     ///
     /// # Errors
     /// If light paths come from a pool, or the device fails.
-    pub fn record_rays(&mut self) -> Result<Vec<BounceRays>, RenderError> {
+    pub fn record_rays(&mut self) -> Result<Vec<Vec<BounceRays>>, RenderError> {
         if self.pool.is_some() {
             return Err(RenderError::Settings("rays of a pool are not recorded".to_owned()));
         }
         let lane = &self.lanes[0];
         let n_paths = lane.size().n_paths.min(self.base.n_pixels);
-        let params = Params { n_paths, n_places: n_paths, ..self.base };
-        let recorded = lane.record(n_paths, || self.render_batch(&*self.device, lane, params))?;
+        let batch = |first_path: u32| {
+            let n_places = n_paths.min(self.base.n_pixels - first_path);
+            let params = Params { first_path, n_paths, n_places, ..self.base };
+            lane.record(|| self.render_batch(&*self.device, lane, params))
+        };
+        let batches = (0..self.base.n_pixels).step_by(n_paths as usize).map(batch);
+        let recorded = batches.collect::<Result<_, _>>()?;
         self.restart()?;
         Ok(recorded)
     }
@@ -297,7 +302,8 @@ impl Renderer {
     pub fn kernel_times(&self) -> KernelTimes {
         let mut sum = KernelTimes::new();
         for (kernel, time) in self.lanes.iter().flat_map(Lane::kernel_times) {
-            *sum.entry(kernel).or_default() += time;
+            let all = sum.entry(kernel).or_default();
+            *all = *all + time;
         }
         sum
     }

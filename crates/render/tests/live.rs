@@ -67,6 +67,28 @@ fn fresh(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Image {
 }
 
 #[test]
+fn every_ray_of_a_sample_is_recorded() {
+    let scene = load("glass-caustic.gltf");
+    // More pixels than a lane's batch has paths.
+    let (width, height) = (48, 40);
+    let light = IntegratorSettings { integrator: Integrator::Light, ..path() };
+    for integrator in [path(), light, full(), k_step(2)] {
+        let settings = RenderSettings { width, height, ..by(integrator) };
+        let mut renderer = renderer(&scene, &scene.cameras[0], settings);
+        let before = renderer.stats().expect("reads").rays;
+        run(&mut renderer, 1);
+        let traced = renderer.stats().expect("reads").rays - before;
+        renderer.restart().expect("restarts");
+        let recorded = renderer.record_rays().expect("reads");
+        let rays = |rays: &[[f32; 4]]| rays.len() as u64 / 2;
+        let bounces = recorded.iter().flatten();
+        let n: u64 = bounces.map(|bounce| rays(&bounce.closest) + rays(&bounce.shadow)).sum();
+        assert!(recorded.len() > 1, "several batches");
+        assert_eq!(n, traced, "{:?}", integrator.integrator);
+    }
+}
+
+#[test]
 fn settings_changed_between_passes_are_those_of_a_new_renderer() {
     let scene = load("cornell-box.gltf");
     let camera = &scene.cameras[0];

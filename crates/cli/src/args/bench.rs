@@ -48,7 +48,7 @@ pub struct RaysArgs {
     /// Threads of the CPU device [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
-    /// Rays of each kind [default: 2^24 on a GPU, 2^18 elsewhere]
+    /// Rays of each kind; a render's own are those of a sixteenth as many paths [default: 2^24 on a GPU, 2^18 elsewhere]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=1 << 27))]
     pub rays: Option<u32>,
     /// Only rows that contain each of these words (wide,splits,random,any).
@@ -163,7 +163,7 @@ pub struct LightsArgs {
     /// Scenes, each looked at through its first camera [default: made ones with --lights]
     pub scenes: Vec<PathBuf>,
     /// How many lights there are in a made scene.
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [1, 10, 100, 1000, 10_000], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, conflicts_with = "scenes", value_name = "LIST", value_delimiter = ',', default_values_t = [1, 10, 100, 1000, 10_000], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub lights: Vec<u32>,
     /// How long each image takes; there are two of each kind.
     #[arg(long, value_name = "TIME", default_value = "5s", value_parser = duration)]

@@ -83,12 +83,13 @@ fn panel(cost: &str, curve: &Curve) -> String {
             text,
             "<circle cx=\"{0:.1}\" cy=\"{1:.1}\" r=\"2.5\" fill=\"#26547c\"/>\
              <text x=\"{0:.1}\" y=\"{2:.1}\" text-anchor=\"middle\">{3}</text>\
-             <text x=\"{0:.1}\" y=\"{4:.1}\" text-anchor=\"middle\" fill=\"#777\">{value:.2}</text>",
+             <text x=\"{0:.1}\" y=\"{4:.1}\" text-anchor=\"middle\" fill=\"#777\">{5}</text>",
             at[0],
             at[1],
             PANEL[1] - MARGIN + 16.0,
             short(*n),
             at[1] - 6.0,
+            three_digits(*value),
         );
     }
     text
@@ -99,6 +100,12 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     let low = values.clone().fold(f64::INFINITY, f64::min).log10();
     let high = values.fold(0.0, f64::max).log10();
     [low, high.max(low + 0.3)]
+}
+
+/// Rounded to three digits that count.
+fn three_digits(value: f64) -> String {
+    let decimals = (2.0 - value.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.decimals$}")
 }
 
 /// `1k`, `10M`.
@@ -126,6 +133,7 @@ mod tests {
         let points = vec![[1e3, 0.5], [1e5, 2.0], [1e7, 4.0]];
         let text = svg("seconds", &[Curve { name: "triangles", points }]);
         assert_eq!(text.matches("<circle").count(), 3);
+        assert!(text.contains(">0.500<") && text.contains(">4.00<"));
         assert!(text.contains(">10M<") && !text.contains("NaN") && !text.contains("inf"));
     }
 }

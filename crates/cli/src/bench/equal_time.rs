@@ -5,7 +5,7 @@ use std::time::Duration;
 use midway_render::{Integrator, IntegratorSettings, Join, JoinChoice, LightPaths};
 use serde_json::{Value, json};
 
-use super::measured::{Bench, Measured, Until, finish, open};
+use super::measured::{Bench, Measured, Until, check_only, finish, open};
 use crate::{args::EqualTimeArgs, console, status::Outcome};
 
 /// Measures each scene.
@@ -13,6 +13,8 @@ use crate::{args::EqualTimeArgs, console, status::Outcome};
 /// # Errors
 /// As the scene or the device says.
 pub fn run(args: &EqualTimeArgs) -> Outcome {
+    let names: Vec<&str> = integrators().iter().map(|(name, _)| *name).chain(["auto"]).collect();
+    check_only(&args.only, &names)?;
     let device = open(&args.device)?;
     let mut rows = Vec::new();
     for path in &args.scenes {
@@ -71,11 +73,18 @@ fn measure_scene(bench: &Bench, time: Duration, only: &[String], rows: &mut Vec<
     let choice = bench.choose()?;
     let measured = bench.measure(bench.settings(choice.integrator()), Until::Time(time))?;
     let best = hand_picked.iter().min_by(|a, b| a.1.error.relmse.total_cmp(&b.1.error.relmse));
-    let about = best.map_or(json!({ "chosen": choice.describe() }), |(name, best)| {
-        let ratio = measured.error.relmse / best.error.relmse;
-        console::note(&format!("auto: {}; relMSE {ratio:.3} x that of {name}", choice.describe()));
-        json!({ "chosen": choice.describe(), "best": name, "over_best": ratio })
-    });
+    let chosen = choice.describe();
+    let about = match best {
+        Some((name, best)) => {
+            let ratio = measured.error.relmse / best.error.relmse;
+            console::note(&format!("auto: {chosen}; relMSE {ratio:.3} x that of {name}"));
+            json!({ "chosen": chosen, "best": name, "over_best": ratio })
+        }
+        None => {
+            console::note(&format!("auto: {chosen}"));
+            json!({ "chosen": chosen })
+        }
+    };
     tell("auto", &measured, about);
     Ok(())
 }

@@ -1,11 +1,15 @@
-//! `midway bench integrator`: the time of each kernel, and rays a second over all of them.
+//! `midway bench integrator`: the time of each kernel, and rays a second over all of them, beside those of the
+//! same rays traced with nothing between.
+
+use std::time::Duration;
 
 use midway_device::DeviceKind;
+use midway_render::{BounceRays, KernelTime, RenderSettings, rays::replay};
 use serde_json::{Value, json};
 
 use super::{
     equal_time::integrators,
-    measured::{Bench, Until, failure, finish, open, run_until},
+    measured::{Bench, Until, check_only, failure, finish, open, run_until},
 };
 use crate::{args::IntegratorBenchArgs, console, status::Outcome};
 
@@ -14,6 +18,7 @@ use crate::{args::IntegratorBenchArgs, console, status::Outcome};
 /// # Errors
 /// As the scene or the device says.
 pub fn run(args: &IntegratorBenchArgs) -> Outcome {
+    check_only(&args.only, &integrators().iter().map(|(name, _)| *name).collect::<Vec<_>>())?;
     let device = open(&args.device)?;
     if device.info().kind == DeviceKind::Cpu {
         console::note("kernels' times add up over threads");
@@ -32,8 +37,8 @@ pub fn run(args: &IntegratorBenchArgs) -> Outcome {
 }
 
 /// Twice the same samples: first for their time, then kernel by kernel, since timestamps cost some.
-fn measure(bench: &Bench, name: &str, settings: midway_render::RenderSettings, spp: u64) -> Outcome<Value> {
-    let mut renderer = bench.renderer(settings)?;
+fn measure(bench: &Bench, name: &str, settings: RenderSettings, spp: u64) -> Outcome<Value> {
+    let mut renderer = bench.renderer(settings.clone())?;
     renderer.restart().map_err(failure)?;
     let before = renderer.stats().map_err(failure)?.rays;
     let wall = run_until(&mut renderer, Until::Samples(spp))?;
@@ -42,28 +47,44 @@ fn measure(bench: &Bench, name: &str, settings: midway_render::RenderSettings, s
     renderer.time_kernels();
     run_until(&mut renderer, Until::Samples(spp))?;
     let times = renderer.kernel_times();
-    let kernels: f64 = times.values().map(|time| time.as_secs_f64()).sum();
+    let seconds = |time: Duration| time.as_secs_f64();
+    let kernels: f64 = times.values().map(|time| seconds(time.total)).sum();
     let rate = |seconds: f64| if seconds > 0.0 { rays as f64 * 1e-6 / seconds } else { 0.0 };
     let traversal: f64 = ["trace_closest", "trace_shadow"]
         .iter()
         .filter_map(|kernel| times.get(kernel))
-        .map(|time| time.as_secs_f64())
+        .map(|time| seconds(time.total))
         .sum();
+    let longest = times.values().map(|time| seconds(time.longest)).fold(0.0, f64::max) * 1e3;
+    let replay =
+        replay(renderer.device(), bench.scene(), renderer_rays(bench, settings)?).map_err(failure)?;
+    let bare = replay.n_rays as f64 * 1e-6 / seconds(replay.time).max(f64::MIN_POSITIVE);
     console::note(&format!(
-        "{name}: {:.1} Mrays/s by the clock, {:.1} over all kernels, {:.1} while tracing",
-        rate(wall.as_secs_f64()),
+        "{name}: {:.1} Mrays/s by the clock, {:.1} over all kernels, {:.1} while tracing; its rays replayed bare \
+         {bare:.1}, of which it reaches {:.3}; longest dispatch {longest:.1} ms",
+        rate(seconds(wall)),
         rate(kernels),
-        rate(traversal)
+        rate(traversal),
+        rate(seconds(wall)) / bare,
     ));
     for (kernel, time) in &times {
-        let share = 100.0 * time.as_secs_f64() / kernels.max(f64::MIN_POSITIVE);
-        console::note(&format!("  {kernel:<18} {:>10.3} ms {share:>5.1} %", time.as_secs_f64() * 1e3));
+        let share = 100.0 * seconds(time.total) / kernels.max(f64::MIN_POSITIVE);
+        let [total, longest] = [time.total, time.longest].map(|time| seconds(time) * 1e3);
+        console::note(&format!("  {kernel:<18} {total:>10.3} ms {share:>5.1} %, longest {longest:.3} ms"));
     }
-    let milliseconds: serde_json::Map<String, Value> =
-        times.iter().map(|(kernel, time)| ((*kernel).to_owned(), json!(time.as_secs_f64() * 1e3))).collect();
+    let milliseconds = |of: fn(&KernelTime) -> Duration| -> serde_json::Map<String, Value> {
+        times.iter().map(|(kernel, time)| ((*kernel).to_owned(), json!(seconds(of(time)) * 1e3))).collect()
+    };
     Ok(json!({
-        "scene": bench.name, "integrator": name, "rays": rays, "seconds": wall.as_secs_f64(),
-        "mrays_per_second": rate(wall.as_secs_f64()), "mrays_per_second_of_kernels": rate(kernels),
-        "mrays_per_second_tracing": rate(traversal), "kernel_ms": milliseconds,
+        "scene": bench.name, "integrator": name, "rays": rays, "seconds": seconds(wall),
+        "mrays_per_second": rate(seconds(wall)), "mrays_per_second_of_kernels": rate(kernels),
+        "mrays_per_second_tracing": rate(traversal), "mrays_per_second_replayed": bare,
+        "over_replay": rate(seconds(wall)) / bare, "kernel_ms": milliseconds(|time| time.total),
+        "longest_dispatch_ms": milliseconds(|time| time.longest),
     }))
+}
+
+/// Those of a sample of each pixel.
+fn renderer_rays(bench: &Bench, settings: RenderSettings) -> Outcome<Vec<Vec<BounceRays>>> {
+    bench.renderer(settings)?.record_rays().map_err(failure)
 }

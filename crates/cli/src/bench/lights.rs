@@ -8,7 +8,7 @@ use midway_render::{
 use midway_scene::Scene;
 use serde_json::{Value, json};
 
-use super::measured::{Bench, Measured, Until, finish, open};
+use super::measured::{Bench, Measured, Until, check_measured, finish, open};
 use crate::{args::LightsArgs, console, status::Outcome};
 
 /// Puts so many lights into a scene.
@@ -35,6 +35,7 @@ pub fn run(args: &LightsArgs) -> Outcome {
             compare(&Bench::of(&device, format!("{n} {kind}"), scene, args.size.size())?, args, &mut rows)?;
         }
     }
+    check_measured(&args.only, rows.len())?;
     finish(args.json, &*device, rows)
 }
 

@@ -28,7 +28,7 @@ pub enum Until {
     Time(Duration),
     /// After this many samples of each pixel.
     Samples(u64),
-    /// At the pass after which at least so many rays are traced.
+    /// At the sample after which the number of rays is nearest to this.
     Rays(u64),
 }
 
@@ -55,6 +55,8 @@ pub struct Measured {
     pub error: HalfError,
     /// Mean of all channels.
     pub mean: f64,
+    /// Half of what the two images' means differ by.
+    pub mean_error: f64,
     /// Bytes on the device, all of them.
     pub bytes: u64,
     /// The first of the two.
@@ -144,13 +146,14 @@ impl Bench {
             renderer.image().map_err(failure)
         };
         let [a, b] = [image(SEEDS[0])?, image(SEEDS[1])?];
-        let channels = [a.mean(), b.mean()].concat();
+        let [mean_a, mean_b] = [&a, &b].map(|image| image.mean().iter().sum::<f64>() / 3.0);
         Ok(Measured {
             samples: samples as f64 / 2.0,
             seconds: seconds.as_secs_f64() / 2.0,
             rays: (rays(&renderer)? - before) as f64 / 2.0,
             error: half_error(&a, &b)?,
-            mean: channels.iter().sum::<f64>() / channels.len() as f64,
+            mean: 0.5 * (mean_a + mean_b),
+            mean_error: 0.5 * (mean_a - mean_b).abs(),
             bytes: renderer.plan().total(),
             image: a,
         })
@@ -167,10 +170,12 @@ fn rays(renderer: &Renderer) -> Outcome<u64> {
 /// If the device fails.
 pub fn run_until(renderer: &mut Renderer, until: Until) -> Outcome<Duration> {
     let (mut spent, before) = (Duration::ZERO, rays(renderer)?);
+    let mut last = 0;
     loop {
         let most = match until {
             Until::Samples(n) => n - renderer.samples(),
-            Until::Time(_) | Until::Rays(_) => u64::from(u32::MAX),
+            Until::Time(_) => u64::from(u32::MAX),
+            Until::Rays(_) => 1,
         };
         let start = Instant::now();
         renderer.step(most).map_err(failure)?;
@@ -179,7 +184,12 @@ pub fn run_until(renderer: &mut Renderer, until: Until) -> Outcome<Duration> {
         let done = match until {
             Until::Samples(n) => renderer.samples() >= n,
             Until::Time(limit) => spent + pass / 2 >= limit,
-            Until::Rays(n) => rays(renderer)? - before >= n,
+            Until::Rays(n) => {
+                let traced = rays(renderer)? - before;
+                let sample = traced - last;
+                last = traced;
+                traced + sample / 2 >= n
+            }
         };
         if done {
             return Ok(spent);
@@ -196,9 +206,10 @@ impl Measured {
     /// A row for other programs, with `fields` before the figures.
     pub fn json(&self, fields: &Value) -> Value {
         let mut row = json!({
-            "samples": self.samples, "seconds": self.seconds, "mrays_per_second": self.mrays_per_second(),
+            "samples": self.samples, "seconds": self.seconds, "rays": self.rays,
+            "mrays_per_second": self.mrays_per_second(),
             "rmse": self.error.rmse, "relmse": self.error.relmse,
-            "relmse_trimmed": self.error.relmse_trimmed, "mean": self.mean, "bytes": self.bytes,
+            "relmse_trimmed": self.error.relmse_trimmed, "mean": self.mean, "mean_error": self.mean_error, "bytes": self.bytes,
         });
         if let (Some(row), Some(fields)) = (row.as_object_mut(), fields.as_object()) {
             row.extend(fields.clone());
@@ -223,6 +234,28 @@ impl Measured {
 /// The exit code of each way in which a render can fail.
 pub fn failure(error: RenderError) -> Failure {
     crate::render::failure(error)
+}
+
+/// That every name asked for is one of those that there are.
+///
+/// # Errors
+/// [`Status::Usage`].
+pub fn check_only(only: &[String], names: &[&str]) -> Outcome {
+    match only.iter().find(|one| !names.contains(&one.as_str())) {
+        Some(unknown) => Err(Failure::usage(format!("--only {unknown}: there is {}", names.join(", ")))),
+        None => Ok(()),
+    }
+}
+
+/// That something was measured, where words were asked for that rows have to contain.
+///
+/// # Errors
+/// [`Status::Usage`].
+pub fn check_measured(only: &[String], n_rows: usize) -> Outcome {
+    if n_rows == 0 {
+        return Err(Failure::usage(format!("--only {}: no row has all of these words", only.join(","))));
+    }
+    Ok(())
 }
 
 /// Prints a result as one JSON object where it was asked for.

@@ -10,6 +10,7 @@ use midway_render::{
 use midway_scene::Scene;
 use serde_json::{Value, json};
 
+use super::measured::check_measured;
 use crate::{
     args::RaysArgs,
     console, scene_file,
@@ -45,6 +46,7 @@ pub fn run(args: &RaysArgs) -> Outcome {
         rows.push(row_json(report));
     };
     bench_rays(&device, &scene, &options, tell_hierarchy, tell).map_err(failure)?;
+    check_measured(&args.only, rows.len())?;
     if !args.json {
         return Ok(());
     }

@@ -1,8 +1,6 @@
 //! `midway bench sampling`: where random numbers come from, how joins choose, where their light paths
 //! come from, and what the joins keep in memory.
 
-use std::time::Duration;
-
 use midway_render::{Integrator, IntegratorSettings, Join, JoinChoice, LightPaths, RenderSettings, Rng};
 use serde_json::{Value, json};
 
@@ -19,8 +17,16 @@ pub fn run(args: &SamplingArgs) -> Outcome {
     for path in &args.scenes {
         let bench = Bench::load(&device, path, args.size.size())?;
         console::note(&format!("scene: {}", bench.name));
+        let mut plain = [None; 2];
         for (name, settings) in variants(&bench) {
-            measure(&bench, &name, &settings, args.spp, args.time, &mut rows)?;
+            measure(
+                &bench,
+                &name,
+                &settings,
+                [Until::Samples(args.spp), Until::Time(args.time)],
+                &mut plain,
+                &mut rows,
+            )?;
         }
         memory(&bench, &mut rows)?;
     }
@@ -64,19 +70,27 @@ fn variants(bench: &Bench) -> Vec<(String, RenderSettings)> {
     variants
 }
 
-/// At equal samples and at equal time.
+/// At equal samples and at equal time. `plain`: the means that the first of all has by each; what another has
+/// beyond them and their noise is its bias, which an error from two seeds does not see.
 fn measure(
     bench: &Bench,
     name: &str,
     settings: &RenderSettings,
-    spp: u64,
-    time: Duration,
+    ends: [Until; 2],
+    plain: &mut [Option<f64>; 2],
     rows: &mut Vec<Value>,
 ) -> Outcome {
-    for (equal, until) in [("samples", Until::Samples(spp)), ("time", Until::Time(time))] {
+    for ((equal, until), plain) in [("samples", ends[0]), ("time", ends[1])].into_iter().zip(plain) {
         let measured = bench.measure(settings.clone(), until)?;
-        console::note(&measured.line(&format!("{name}, equal {equal}")));
-        rows.push(measured.json(&json!({ "scene": bench.name, "variant": name, "equal": equal })));
+        let first = *plain.get_or_insert(measured.mean);
+        let (mean, error) = (measured.mean / first, measured.mean_error / first);
+        let line = measured.line(&format!("{name}, equal {equal}"));
+        console::note(&format!("{line}  mean {mean:.4} ({error:.4})"));
+        rows.push(
+            measured.json(
+                &json!({ "scene": bench.name, "variant": name, "equal": equal, "mean_over_first": mean }),
+            ),
+        );
     }
     Ok(())
 }

@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::{
     curves::{Curve, write_svg},
-    measured::{Bench, Until, finish, open},
+    measured::{Bench, Until, check_only, finish, open},
 };
 use crate::{args::ScalingArgs, console, status::Outcome};
 
@@ -21,14 +21,17 @@ use crate::{args::ScalingArgs, console, status::Outcome};
 const TRIANGLES: u32 = 100_000;
 const LIGHTS: u32 = 1;
 const SIDE: u32 = 256;
+
 /// Measures each curve.
 ///
 /// # Errors
 /// As the device says, or if the picture cannot be written.
 pub fn run(args: &ScalingArgs) -> Outcome {
+    let all = curves_of(args.largest);
+    check_only(&args.only, &all.iter().map(|(name, _)| *name).collect::<Vec<_>>())?;
     let device = open(&args.device)?;
     let (mut curves, mut rows) = (Vec::new(), Vec::new());
-    for (name, points) in curves_of(args.largest) {
+    for (name, points) in all {
         if !args.only.is_empty() && !args.only.iter().any(|one| one == name) {
             continue;
         }
@@ -45,9 +48,11 @@ pub fn run(args: &ScalingArgs) -> Outcome {
             }));
             curve.points.push([f64::from(n), cost[0]]);
         }
-        let exponent = curve.exponent();
-        console::note(&format!("{name}: cost grows as n^{exponent:.3}"));
-        rows.push(json!({ "curve": name, "exponent": exponent }));
+        if curve.points.len() > 1 {
+            let exponent = curve.exponent();
+            console::note(&format!("{name}: cost grows as n^{exponent:.3}"));
+            rows.push(json!({ "curve": name, "exponent": exponent }));
+        }
         curves.push(curve);
     }
     if let Some(path) = &args.svg {

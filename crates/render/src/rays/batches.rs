@@ -8,7 +8,7 @@ use midway_kernels::native;
 use midway_scene::{Bounds, Camera, Projection, Scene};
 
 use super::Question;
-use crate::{RenderError, RenderSettings, Renderer};
+use crate::{BounceRays, RenderError, RenderSettings, Renderer};
 
 /// Bounces that are measured each alone; those after them together.
 const BOUNCES_ALONE: usize = 3;
@@ -22,8 +22,11 @@ pub(super) struct Batch {
     pub rays: Vec<[f32; 4]>,
 }
 
-/// Every batch of a scene: of about `n_rays` rays through pixels and from anywhere, and what one batch of
-/// `path` traces.
+/// For each path whose rays are recorded there are so many rays of other kinds: a path has several of its own.
+pub(super) const RAYS_A_PATH: u32 = 16;
+
+/// Every batch of a scene: of about `n_rays` rays through pixels and from anywhere, and what a sample of each
+/// pixel of `path` traces, `n_rays` / [`RAYS_A_PATH`] pixels of the whole image.
 pub(super) fn all(device: &Arc<dyn Device>, scene: &Scene, n_rays: u32) -> Result<Vec<Batch>, RenderError> {
     let bounds = scene.bounds();
     let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&bounds, 1.0));
@@ -43,11 +46,11 @@ fn recorded(
     camera: &Camera,
     n_rays: u32,
 ) -> Result<Vec<Batch>, RenderError> {
-    let side = f64::from(n_rays).sqrt() as u32;
+    let side = (f64::from(n_rays / RAYS_A_PATH).sqrt() as u32).max(1);
     let settings = RenderSettings { width: side, height: side, ..RenderSettings::default() };
-    let bounces = Renderer::new(device.clone(), scene, camera, settings)?.record_rays()?;
+    let recorded = Renderer::new(device.clone(), scene, camera, settings)?.record_rays()?;
     let mut batches: Vec<Batch> = Vec::new();
-    for (index, bounce) in bounces.into_iter().enumerate() {
+    for (index, bounce) in recorded.into_iter().flat_map(|batch| batch.into_iter().enumerate()) {
         let name = match index {
             0..BOUNCES_ALONE => format!("bounce {}", index + 1),
             _ => format!("bounces {}+", BOUNCES_ALONE + 1),
@@ -62,6 +65,17 @@ fn recorded(
     }
     batches.retain(|batch| !batch.rays.is_empty());
     Ok(batches)
+}
+
+/// What was recorded, each question in one batch.
+pub(super) fn replayed(recorded: Vec<Vec<BounceRays>>) -> Vec<Batch> {
+    let of = |question| Batch { name: "recorded".to_owned(), question: Some(question), rays: Vec::new() };
+    let (mut closest, mut any) = (of(Question::Closest), of(Question::Any));
+    for bounce in recorded.into_iter().flatten() {
+        closest.rays.extend(bounce.closest);
+        any.rays.extend(bounce.shadow);
+    }
+    [closest, any].into_iter().filter(|batch| !batch.rays.is_empty()).collect()
 }
 
 fn ray(origin: Vec3, direction: Vec3, t_max: f32) -> [[f32; 4]; 2] {

@@ -16,7 +16,7 @@ use midway_device::{Device, DeviceKind};
 use midway_kernels::constants as k;
 use midway_scene::Scene;
 
-use crate::RenderError;
+use crate::{BounceRays, RenderError, world::hierarchy_of};
 
 pub use generated::{add_lamps, add_point_lights, generated_scene};
 use measure::Bench;
@@ -25,6 +25,8 @@ use measure::Bench;
 const GPU_RAYS: u32 = 1 << 24;
 /// And on the CPU or a software GPU.
 const CPU_RAYS: u32 = 1 << 18;
+/// Measured runs of a replay; the median counts.
+const REPLAY_ROUNDS: u32 = 3;
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -185,6 +187,40 @@ pub fn bench_rays(
         }
     }
     bench.measure(&mut tell)
+}
+
+/// Rays of a render and how long it takes to trace them bare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Replay {
+    /// How many there are, closest and shadow.
+    pub n_rays: u64,
+    /// The device's own time to trace them, each question's in one dispatch.
+    pub time: Duration,
+}
+
+/// Traces rays that were recorded ([`crate::Renderer::record_rays`]) by nothing but the traversal that the
+/// device renders by, over a hierarchy as it renders by; everything is solid and laid out.
+///
+/// # Errors
+/// If the device fails, or has no room for them.
+pub fn replay(
+    device: &dyn Device,
+    scene: &Scene,
+    recorded: Vec<Vec<BounceRays>>,
+) -> Result<Replay, RenderError> {
+    let width = hierarchy_of(device.info().kind, scene);
+    let options = RaysOptions { n_rays: None, rounds: REPLAY_ROUNDS, only: Vec::new() };
+    let batches = batches::replayed(recorded);
+    let hierarchy = Hierarchy::build(&world_triangles(scene), &BuildOptions::default(), width)?;
+    let variant = VARIANTS.iter().find(|variant| variant.width == width).unwrap_or(&VARIANTS[0]);
+    let mut bench = Bench::new(device, &batches, &options)?;
+    bench.add(&hierarchy, &[variant])?;
+    let mut sum = Replay { n_rays: 0, time: Duration::ZERO };
+    bench.measure(&mut |report| {
+        sum.n_rays += report.n_rays as u64;
+        sum.time += report.times[report.times.len() / 2];
+    })?;
+    Ok(sum)
 }
 
 fn splits_name(spatial_splits: bool) -> &'static str {

@@ -164,7 +164,7 @@ impl Renderer {
         if self.device.info().kind != DeviceKind::Gpu {
             return;
         }
-        let longest = lane.take_longest_run();
+        let longest = lane.take_longest_dispatch();
         let adapted = match longest {
             _ if longest > RUN_LIMIT => (n / 2).max(1),
             _ if longest < RUN_TARGET => (n * 2).min(lane.size().n_paths),
