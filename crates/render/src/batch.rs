@@ -382,6 +382,11 @@ impl Lane {
     ) -> Result<(), RenderError> {
         if let Some(recording) = &mut *self.recording() {
             device.run(&commands, false)?;
+            // Light paths' first vertices are projected before anything is traced.
+            let shadow = self.recorder.shadow(device)?;
+            if !shadow.is_empty() {
+                recording.bounces.push(BounceRays { closest: Vec::new(), shadow });
+            }
             while self.counter(device, k::COUNT_IN)? > 0 {
                 let closest = self.recorder.queued(device, recording.n_paths)?;
                 device.run(bounce, false)?;
