@@ -49,16 +49,18 @@ pub fn load(path: &Path) -> Outcome<LoadedScene> {
 /// # Errors
 /// [`Status::Usage`] where there is no such variant, with those that there are, else as [`load`].
 pub fn load_variant(path: &Path, variant: Option<&str>) -> Outcome<LoadedScene> {
-    let import = midway_import::load_variant(path, variant).map_err(|error| match error {
-        ImportError::UnknownVariant { .. } => Failure::usage(format!("--variant: {error}")),
-        _ => Failure::new(Status::Input, error),
-    })?;
-    let (variants, variant) = (import.variants, variant.map(str::to_owned));
-    let mut loaded = LoadedScene { scene: import.scene, variants, variant, warnings: Vec::new() };
+    let (import, warnings) = midway_import::load_with_warnings(path, variant);
     // Flags may bring light: whether there is any is asked when the warnings are.
-    let of_file = import.warnings.into_iter().filter(|warning| warning.kind != WarningKind::NoLight);
-    loaded.warn(&of_file.collect::<Vec<_>>());
-    Ok(loaded)
+    let of_file = warnings.into_iter().filter(|warning| warning.kind != WarningKind::NoLight);
+    let warnings: Vec<String> = of_file.map(|warning| warning.to_string()).collect();
+    let (scene, variants) = import.map_err(|error| {
+        print_warnings(&warnings);
+        match error {
+            ImportError::UnknownVariant { .. } => Failure::usage(format!("--variant: {error}")),
+            _ => Failure::new(Status::Input, error),
+        }
+    })?;
+    Ok(LoadedScene { scene, variants, variant: variant.map(str::to_owned), warnings })
 }
 
 /// Prints the warnings, each on a line.

@@ -75,16 +75,18 @@ pub fn load(path: &Path) -> Result<Import, ImportError> {
 ///
 /// [`ImportError::UnknownVariant`] where there is no such variant, else as [`load`].
 pub fn load_variant(path: &Path, variant: Option<&str>) -> Result<Import, ImportError> {
-    let mut warnings = Warnings::default();
-    let (scene, variants) = load_complete(path, variant, &mut warnings)?;
-    Ok(Import { scene, variants, warnings: warnings.into_list() })
+    let (loaded, warnings) = load_with_warnings(path, variant);
+    loaded.map(|(scene, variants)| Import { scene, variants, warnings })
 }
 
-/// Like [`load`], with the warnings that there were before the error where there is one.
-pub fn load_with_warnings(path: &Path) -> (Result<Scene, ImportError>, Vec<Warning>) {
+/// Like [`load_variant`], with the warnings that there were before the error where there is one.
+pub fn load_with_warnings(
+    path: &Path,
+    variant: Option<&str>,
+) -> (Result<(Scene, Variants), ImportError>, Vec<Warning>) {
     let mut warnings = Warnings::default();
-    let scene = load_complete(path, None, &mut warnings).map(|(scene, _)| scene);
-    (scene, warnings.into_list())
+    let loaded = load_complete(path, variant, &mut warnings);
+    (loaded, warnings.into_list())
 }
 
 fn load_complete(

@@ -73,7 +73,7 @@ fn survive(name: &str, seeds: &[Vec<u8>], files: impl Fn(&[u8]) -> Vec<(&'static
         let keep = env::temp_dir().join(format!("midway-damaged-{name}"));
         fs::write(&keep, &bytes).unwrap();
         let call = Instant::now();
-        let (result, _) = load_with_warnings(&paths[0]);
+        let (result, _) = load_with_warnings(&paths[0], None);
         assert!(call.elapsed() <= SLOWEST, "{} took {:?}", keep.display(), call.elapsed());
         match result {
             Ok(_) => n_loaded += 1,

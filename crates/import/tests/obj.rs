@@ -62,6 +62,11 @@ fn materials() {
         ("Kd 0\nKs 0.9\nillum 3", mirror(0.9), vec![]),
         ("Kd 0\nKs 0.9\nillum 5", mirror(0.9), vec![]),
         ("Ni 1.4\nTf 0.5 0.5 0.5\nillum 7", glass(1.4, 0.5), vec![]),
+        // Models that exporters write for what they are not.
+        ("Kd 0.8\nKs 0.1\nNs 10\nillum 3", plastic(0.8, 0.1, 1.5, 10.0), vec![Approximation; 2]),
+        ("Kd 0.8\nd 1.0\nillum 4", diffuse(0.8), vec![Approximation]),
+        ("Kd 0.8\nNi 1.4\nd 0.9\nillum 9", glass(1.4, 1.0), vec![Approximation]),
+        ("Kd 0.5\nKs 0.1\nNs 500\nillum 2.0", plastic(0.5, 0.1, 1.5, 500.0), vec![Approximation]),
         ("Ni 1.4\nTf 0 0 0\nillum 6", glass(1.4, 1.0), vec![Repaired]),
         ("illum 4", glass(1.5, 1.0), vec![Repaired]),
         ("Kd 0.5\nd 0.1\nNi 1.4", glass(1.4, 1.0), vec![Alpha]),

@@ -66,7 +66,7 @@ pub struct CompareArgs {
 /// `midway info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
-    /// The scene (.gltf, .glb, .obj).
+    /// The scene (.gltf, .glb, .obj, .ply, .pbrt, .xml).
     pub scene: PathBuf,
     /// Take the materials of this variant of the scene's, by its name
     /// [default: the materials that the file shows by itself]

@@ -13,7 +13,7 @@ use super::values::{
 /// `midway render`.
 #[derive(Args, Debug)]
 pub struct RenderArgs {
-    /// The scene (.gltf, .glb, .obj).
+    /// The scene (.gltf, .glb, .obj, .ply, .pbrt, .xml).
     pub scene: PathBuf,
 
     /// Where to write (.exr or .png; the other is written beside it). Given more than once: these

@@ -14,6 +14,17 @@ fn render(sandbox: &Sandbox, code: i32, extra: &[&str]) -> String {
 }
 
 #[test]
+fn warnings_come_before_the_error() {
+    let sandbox = Sandbox::new();
+    sandbox
+        .write("empty.gltf", r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"skin":0}]}"#);
+    let run = sandbox.expect(3, &["info", "empty.gltf"]);
+    let lines: Vec<&str> = run.stderr.lines().collect();
+    assert!(lines[0].starts_with("warning: /nodes/0"), "{}", run.stderr);
+    assert!(lines[lines.len() - 1].contains("no triangles"), "{}", run.stderr);
+}
+
+#[test]
 fn a_wrong_command_line_is_2() {
     let sandbox = Sandbox::new();
     sandbox.write_scene();

@@ -93,8 +93,11 @@ impl Parameters {
             "d" => self.dissolve = line.words().next_back().and_then(|w| w.parse().ok()),
             "Tr" => self.dissolve = self.dissolve.or(Some(1.0 - line.finite()?[0])),
             "illum" => {
-                let illum = line.rest.parse().map_err(|_| line.malformed("a whole number is expected"))?;
-                self.illum = Some(illum);
+                // Some write `2.0`.
+                let illum =
+                    line.rest.parse::<f32>().ok().filter(|i| i.fract() == 0.0 && (0.0..1e6).contains(i));
+                let illum = illum.ok_or_else(|| line.malformed("a whole number is expected"))?;
+                self.illum = Some(illum as _);
             }
             // Ambient light is what a renderer computes.
             "Ka" | "map_Ka" => {}

@@ -15,6 +15,11 @@ use crate::{ImportError, images::Encoding, warning::WarningKind};
 const METAL_EXPONENT: f32 = 32.0;
 const GLASS_IOR: f32 = 1.5;
 
+/// Of a linear colour of Rec. 709.
+fn luminance(colour: Vec3) -> f32 {
+    colour.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
 impl Parameters {
     pub(super) fn material(&self, maps: &mut Maps) -> Result<Material, ImportError> {
         let glass = self.is_glass(maps);
@@ -70,7 +75,13 @@ impl Parameters {
         if !has_specular {
             return Ok(Surface::Diffuse { reflectance: maps.color(diffuse, self.maps.get("map_kd"))? });
         }
-        let mirror = matches!(self.illum, Some(3 | 5 | 8));
+        // Exporters write these models for what is far from a mirror.
+        let mirror_model = matches!(self.illum, Some(3 | 5 | 8));
+        let mirror = mirror_model && luminance(specular) > luminance(diffuse);
+        if mirror_model && !mirror {
+            let message = "mirrors by their illum whose Kd outshines Ks are rendered as of illum 2";
+            self.warn(WarningKind::Approximation, message, maps.warnings);
+        }
         let sharp = self.exponent.unwrap_or(0.0) >= METAL_EXPONENT;
         let outshines = sharp && specular.max_element() > diffuse.max_element();
         if mirror || outshines || diffuse == Vec3::ZERO {
@@ -138,10 +149,21 @@ impl Parameters {
         if self.maps.contains_key("map_d") {
             return false;
         }
-        if matches!(self.illum, Some(4 | 6 | 7 | 9)) {
-            return true;
-        }
         let dissolve = self.dissolve.unwrap_or(1.0);
+        if matches!(self.illum, Some(4 | 6 | 7 | 9)) {
+            let diffuse = self.or_white(self.diffuse, "map_kd");
+            // Filters of 0 and 1 are written for what is opaque, too.
+            let filters = self.filter.is_some_and(|f| f != Vec3::ZERO && f != Vec3::ONE);
+            let glass = dissolve < 1.0 || filters || diffuse == Vec3::ZERO;
+            if !glass {
+                let message = "glass by its illum that has a Kd and lets nothing through (d, Tf) is rendered as of illum 2";
+                self.warn(WarningKind::Approximation, message, maps.warnings);
+            } else if diffuse != Vec3::ZERO {
+                let message = "glass by its illum is rendered clear, without its Kd";
+                self.warn(WarningKind::Approximation, message, maps.warnings);
+            }
+            return glass;
+        }
         let glass = dissolve <= 0.5 && self.ior.is_some_and(|n| n > 1.0);
         if glass {
             let message = "clear materials (d up to 0.5, with Ni) are rendered as glass";
