@@ -555,3 +555,30 @@ fn damage_anywhere_is_survived() {
         }
     }
 }
+
+#[test]
+fn spectra_may_be_plugins() {
+    let reflectance = |spectrum: &str| {
+        let (head, body) = spectrum.split_once('|').unwrap();
+        let element = format!("<spectrum type='{head}' name='reflectance'>{body}</spectrum>");
+        match material(&format!("<bsdf type='diffuse'>{element}</bsdf>")).surface {
+            Surface::Diffuse { reflectance } => reflectance.value,
+            other => panic!("{other:?}"),
+        }
+    };
+    let uniform = "uniform|<float name='value' value='0.25'/>";
+    assert_eq!(reflectance(uniform), Vec3::splat(0.25));
+    assert_eq!(reflectance("d65|<float name='scale' value='0.5'/>"), Vec3::splat(0.5));
+    let values = "<string name='values' value='0.2, 0.2'/>";
+    let irregular = format!("irregular|<string name='wavelengths' value='400, 700'/>{values}");
+    assert!(reflectance(&irregular).abs_diff_eq(Vec3::splat(0.2), 1e-5));
+    for bound in ["wavelength", "lambda"] {
+        let [min, max] = [("min", 400), ("max", 700)]
+            .map(|(end, at)| format!("<float name='{bound}_{end}' value='{at}'/>"));
+        assert!(reflectance(&format!("regular|{min}{max}{values}")).abs_diff_eq(Vec3::splat(0.2), 1e-5));
+    }
+    let warm =
+        reflectance("blackbody|<float name='temperature' value='3000'/><float name='scale' value='.1'/>");
+    assert!(warm.x > warm.y && warm.y > warm.z, "{warm}");
+    assert!(scene("<emitter type='constant'><spectrum type='odd' name='radiance'/></emitter>").is_err());
+}

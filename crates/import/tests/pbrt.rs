@@ -439,6 +439,9 @@ fn materials_of_version_3() {
     let (uber, _) = read("\"uber\" \"rgb opacity\" [.25 .25 .25]");
     assert_eq!(uber.opacity, Opacity::Blend(0.25.into()));
     assert!(matches!(read("\"uber\" \"rgb Kt\" [1 1 1]").0.surface, Surface::Dielectric { .. }));
+    let disney = read("\"disney\" \"float clearcoat\" 1").0.surface;
+    let Surface::MetallicRoughness(disney) = disney else { panic!("{disney:?}") };
+    assert_eq!(disney.clearcoat.value, 0.25);
     assert_eq!(read("\"matte\" \"float sigma\" 20").1, approximated);
     // v3's lights take spectra as they are.
     let lit = import(&format!(

@@ -22,6 +22,8 @@ const MAX_INCLUDES: usize = 4096;
 /// Elements of all files together.
 const MAX_ELEMENTS: usize = 1 << 24;
 
+const BLACK_BODY: &str = "black bodies have their colour, and the luminance of white of radiance 1";
+
 /// What kinds of objects there are, by their tags; `luminaire` and `camera` are of release 0.2.
 const CLASSES: [(&str, Class); 14] = [
     ("scene", Class::Scene),
@@ -320,6 +322,7 @@ impl Reader<'_> {
                 Value::Transform(first.map_or(Ok(Mat4::IDENTITY), |first| self.transform(file, first))?)
             }
             "blackbody" => self.blackbody(file, node)?,
+            "spectrum" if node.has_attribute("type") => self.spectrum_plugin(file, node)?,
             "spectrum" if node.has_attribute("filename") => self.spectrum_file(file, node)?,
             _ => {
                 let attributes = self.attributes(file, node)?;
@@ -344,9 +347,28 @@ impl Reader<'_> {
         let kelvin =
             kelvin.ok_or_else(|| ImportError::Malformed { place: file.place(node), problem: problem() })?;
         let scale = self.attribute(file, node, "scale")?.as_deref().and_then(value::number).unwrap_or(1.0);
-        let message = "black bodies have their colour, and the luminance of white of radiance 1";
-        self.warnings.add(WarningKind::Approximation, file.place(node).short(), message);
+        self.warnings.add(WarningKind::Approximation, file.place(node).short(), BLACK_BODY);
         Ok(Value::Rgb(blackbody(f64::from(kelvin)) * scale))
+    }
+
+    /// A spectrum as release 3 writes it: a plugin with properties.
+    fn spectrum_plugin(&mut self, file: &File, node: Node) -> Result<Value, ImportError> {
+        let place = file.place(node);
+        let plugin = self.required(file, node, "type")?;
+        let mut properties = HashMap::new();
+        for child in node.children().filter(Node::is_element) {
+            if let Some(property) = self.property(file, child)? {
+                properties.insert(property.name, property.value);
+            }
+        }
+        let value = value::spectrum_plugin(&plugin, &properties).ok_or_else(|| {
+            let problem = format!("a spectrum of type {:?} has no value that is read", shortened(&plugin));
+            ImportError::Malformed { place: place.clone(), problem }
+        })?;
+        if plugin == "blackbody" {
+            self.warnings.add(WarningKind::Approximation, place.short(), BLACK_BODY);
+        }
+        Ok(value)
     }
 
     fn spectrum_file(&mut self, file: &File, node: Node) -> Result<Value, ImportError> {

@@ -1,9 +1,11 @@
 //! What properties hold, as the file writes it.
 
+use std::collections::HashMap;
+
 use glam::{Mat4, Vec3};
 
 use super::transform;
-use crate::spectrum::{Spectrum, in_gamut};
+use crate::spectrum::{Spectrum, blackbody, in_gamut};
 
 /// The value of a property.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,6 +104,47 @@ pub(super) fn spectrum(text: &str) -> Option<Value> {
     match numbers(text)?[..] {
         [constant] => Some(Value::Constant(constant)),
         [r, g, b] => Some(Value::Rgb(Vec3::new(r, g, b))),
+        _ => None,
+    }
+}
+
+/// A spectrum by the name and the properties of its plugin; none where they do not say one.
+pub(super) fn spectrum_plugin(plugin: &str, properties: &HashMap<String, Value>) -> Option<Value> {
+    let float = |name: &str| match properties.get(name)? {
+        Value::Float(x) | Value::Constant(x) => Some(*x),
+        Value::Integer(i) => Some(*i as f32),
+        _ => None,
+    };
+    let list = |name: &str| match properties.get(name)? {
+        Value::Text(text) => numbers(text),
+        _ => None,
+    };
+    let sampled = |wavelengths: Vec<f32>, values: Vec<f32>| {
+        let pairs = wavelengths.into_iter().zip(values).map(|(l, v)| (f64::from(l), f64::from(v)));
+        Spectrum::new(pairs.collect()).map(Value::Spectrum)
+    };
+    let scale = float("scale").unwrap_or(1.0);
+    match plugin {
+        "uniform" => Some(Value::Constant(float("value").unwrap_or(1.0))),
+        "d65" => Some(match properties.get("color").or(properties.get("value")) {
+            Some(color) => Value::Rgb(color.color(Quantity::Unbounded)? * scale),
+            None => Value::Constant(scale),
+        }),
+        "blackbody" => {
+            let kelvin = float("temperature").unwrap_or(5000.0);
+            (kelvin > 0.0).then(|| Value::Rgb(blackbody(f64::from(kelvin)) * scale))
+        }
+        "irregular" => {
+            let (wavelengths, values) = (list("wavelengths")?, list("values")?);
+            (wavelengths.len() == values.len()).then(|| sampled(wavelengths, values))?
+        }
+        "regular" => {
+            let bound =
+                |name: &str| float(&format!("wavelength_{name}")).or(float(&format!("lambda_{name}")));
+            let (first, last, values) = (bound("min")?, bound("max")?, list("values")?);
+            let step = (last - first) / values.len().saturating_sub(1).max(1) as f32;
+            sampled((0..values.len()).map(|i| first + step * i as f32).collect(), values)
+        }
         _ => None,
     }
 }

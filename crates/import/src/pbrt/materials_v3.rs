@@ -165,7 +165,9 @@ fn disney(material: &mut Definition) -> Result<Surface, ImportError> {
     };
     let (metallic, roughness) = (scalar("metallic", 0.0)?, scalar("roughness", 0.5)?);
     let (anisotropy, sheen) = (scalar("anisotropic", 0.0)?, scalar("sheen", 0.0)?);
-    let (clearcoat, transmission) = (scalar("clearcoat", 0.0)?, scalar("spectrans", 0.0)?);
+    let (mut clearcoat, transmission) = (scalar("clearcoat", 0.0)?, scalar("spectrans", 0.0)?);
+    // Burley's coat has a quarter of the strength, as in pbrt's disney.cpp.
+    clearcoat.value *= 0.25;
     let gloss = material.reader.colour_or(material.params, "clearcoatgloss", Use::Albedo, Vec3::ONE)?.x;
     Ok(Surface::MetallicRoughness(Box::new(MetallicRoughness {
         base_color,
