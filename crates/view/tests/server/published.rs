@@ -20,7 +20,7 @@ use crate::running::{Running, SIZE, own_scene};
 #[tokio::test]
 async fn a_render_that_runs_elsewhere_is_seen() {
     let scene = midway_import::load(&own_scene("cornell-box.gltf")).expect("loads").scene;
-    let camera = scene.cameras[0];
+    let camera = scene.cameras[0].clone();
     let mut publisher =
         Publisher::start(&scene, "cornell-box.gltf", &camera, Display::default()).expect("starts");
     let server = Running::serving(publisher.session(), None, true);
