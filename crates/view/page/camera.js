@@ -81,11 +81,13 @@ export class Camera {
     this.focus = null;
   }
 
-  /** Sees all of a box, from the same side. */
-  frame([least, most]) {
+  /** Sees all of a box, from the same side, on a film of this width by height. */
+  frame([least, most], aspect = 1) {
     const centre = scale(add(least, most), 0.5);
     const radius = Math.max(length(sub(most, least)) / 2, 1e-3);
-    const distance = (1.05 * radius) / Math.sin(((this.fov ?? 40) * Math.PI) / 360);
+    const above = ((this.fov ?? 40) * Math.PI) / 360;
+    const narrower = Math.min(above, Math.atan(Math.tan(above) * aspect));
+    const distance = (1.05 * radius) / Math.sin(narrower);
     const { back } = this.axes();
     this.target = centre;
     this.eye = add(centre, scale(back, distance));

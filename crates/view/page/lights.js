@@ -10,6 +10,8 @@ const SETTLED_MS = 1200;
 
 const linear = (byte) => (byte <= 10.31475 ? byte / 3294.6 : ((byte / 255 + 0.055) / 1.055) ** 2.4);
 const channels = (colour) => [1, 3, 5].map((at) => linear(parseInt(colour.slice(at, at + 2), 16)));
+const byte = (value) => Math.round(value <= 0.0031308 ? 3294.6 * value : 255 * (1.055 * value ** (1 / 2.4) - 0.055));
+const named = (values) => `#${values.map((value) => byte(value).toString(16).padStart(2, "0")).join("")}`;
 
 export class Lights {
   #rows = [];
@@ -37,6 +39,11 @@ export class Lights {
     this.#rows.forEach(({ slider, colour }, i) => {
       const factor = factors?.[i] ?? [1, 1, 1];
       const most = Math.max(...factor);
+      const own = channels(colour.value);
+      const gain = most / Math.max(...own, 1e-6);
+      // A darker colour of this browser's own is the same with another gain: it stays.
+      const same = factor.every((value, c) => Math.abs(value - gain * own[c]) <= 0.01 * most);
+      if (most > 0 && !same) colour.value = named(factor.map((value) => value / most));
       const stops = Math.log2(most / Math.max(...channels(colour.value), 1e-6));
       if (most === 0) slider.value = OFF;
       else if (factors) slider.value = stops;

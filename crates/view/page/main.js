@@ -196,7 +196,8 @@ function togglePause() {
 
 function frameAll() {
   if (!state.scene) return;
-  camera.frame(state.scene.bounds);
+  const [width, height] = state.status?.film ?? [1, 1];
+  camera.frame(state.scene.bounds, width / height);
   look();
 }
 

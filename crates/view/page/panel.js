@@ -60,7 +60,8 @@ export function showFigures(status) {
   }
   const why = status.failure ? `The renderer stopped: ${status.failure}` : status.black;
   element("black").hidden = !why;
-  element("black").textContent = why ?? "";
+  // An alert is read out each time it is written.
+  if (element("black").textContent !== (why ?? "")) element("black").textContent = why ?? "";
   element("pause").setAttribute("aria-pressed", status.paused);
   element("pause").textContent = status.paused ? "Go on" : "Pause";
 }

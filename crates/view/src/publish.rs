@@ -28,6 +28,8 @@ const EVERY: Duration = Duration::from_millis(250);
 pub struct Publisher {
     encoding: Encoding,
     status: watch::Sender<Arc<str>>,
+    /// Told once; without it browsers would take the session to be over.
+    _scene: watch::Sender<Arc<str>>,
     session: Session,
     commands: mpsc::Receiver<Command>,
     shown: Shown,
@@ -45,8 +47,8 @@ impl Publisher {
         let seen = (camera, pick::middle(scene, camera));
         let outline = Outline::of(scene);
         let told = scene_message((scene, &outline, name), seen, (&[], None), Surroundings::of(scene));
-        let (session, commands) =
-            Session::of(frames, status_receiver, watch::channel(Arc::from(told.to_string())).1);
+        let (scene_sender, scene_receiver) = watch::channel(Arc::from(told.to_string()));
+        let (session, commands) = Session::of(frames, status_receiver, scene_receiver);
         let tone_map = match display.tone_map {
             ToneMap::Linear => ToneMapName::Linear,
             ToneMap::Agx => ToneMapName::Agx,
@@ -54,7 +56,7 @@ impl Publisher {
             ToneMap::PbrNeutral => ToneMapName::PbrNeutral,
         };
         let shown = Shown { exposure: display.exposure, tone_map, ..Shown::default() };
-        Ok(Self { encoding, status, session, commands, shown, last: None })
+        Ok(Self { encoding, status, _scene: scene_sender, session, commands, shown, last: None })
     }
 
     /// What a server serves.

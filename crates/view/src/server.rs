@@ -9,7 +9,7 @@ use std::{
 use axum::{
     Router,
     body::{Body, Bytes},
-    extract::{DefaultBodyLimit, Path, Request, State, WebSocketUpgrade},
+    extract::{DefaultBodyLimit, FromRequest, Path, Request, State, WebSocketUpgrade},
     http::{HeaderMap, HeaderValue, StatusCode, header},
     middleware::{self, Next},
     response::{IntoResponse, Response},
@@ -267,12 +267,16 @@ async fn save(State(shared): State<Arc<Shared>>, Path(format): Path<String>) -> 
 async fn upload(
     State(shared): State<Arc<Shared>>,
     Path((batch, path)): Path<(u64, String)>,
-    headers: HeaderMap,
-    bytes: Bytes,
+    request: Request,
 ) -> Response {
-    if !shared.may_change(&headers) {
+    // Before the body is read: what a stranger sends is not kept.
+    if !shared.may_change(request.headers()) {
         return refuse(StatusCode::FORBIDDEN, "only the browser that steers may upload");
     }
+    let bytes = match Bytes::from_request(request, &()).await {
+        Ok(bytes) => bytes,
+        Err(rejection) => return rejection.into_response(),
+    };
     let written = tokio::task::spawn_blocking(move || shared.uploads.write(batch, &path, &bytes)).await;
     match written {
         Ok(Ok(())) => StatusCode::NO_CONTENT.into_response(),

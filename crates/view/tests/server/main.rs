@@ -3,5 +3,6 @@
 mod browsers;
 mod changes;
 mod files;
+mod published;
 mod running;
 mod strangers;

@@ -56,8 +56,12 @@ impl Running {
             hold: Duration::from_millis(33),
             reference: None,
         });
+        Self::serving(session.expect("starts"), ip, read_only)
+    }
+
+    pub fn serving(session: Session, ip: Option<IpAddr>, read_only: bool) -> Self {
         let address = Address { ip, port: 0 };
-        let server = Server::listen(address, session.expect("starts"), read_only, |_| {}).expect("listens");
+        let server = Server::listen(address, session, read_only, |_| {}).expect("listens");
         let (url, stop) = (server.url(), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
         let thread =

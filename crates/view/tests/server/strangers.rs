@@ -32,6 +32,16 @@ fn the_page_is_there_for_its_own_name_alone() {
 }
 
 #[test]
+fn a_stranger_is_refused_before_its_file_is_read() {
+    let server = Running::start(None, false);
+    let head = format!(
+        "PUT /upload/1/a.glb HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Length: 1000000\r\n\r\n",
+        server.address()
+    );
+    assert_eq!(server.ask(&head, b"").0, 403);
+}
+
+#[test]
 fn no_path_leads_out() {
     let server = Running::start(None, false);
     for path in [
