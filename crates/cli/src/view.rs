@@ -7,7 +7,7 @@ use midway_film::ExrFile;
 use midway_import::Variants;
 use midway_render::RenderSettings;
 use midway_scene::{Camera, Scene};
-use midway_view::{Address, Server, Session, Start, ViewError};
+use midway_view::{Address, Server, Session, Start, ViewError, nothing};
 
 use crate::{
     args::ViewArgs,
@@ -31,7 +31,7 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
             let (scene, variants) = load(path, args.variant.as_deref())?;
             (scene, variants, path.file_name().unwrap_or_default().to_string_lossy().into_owned())
         }
-        None => (Scene::default(), Variants::default(), "no scene".to_owned()),
+        None => (nothing(), Variants::default(), "no scene".to_owned()),
     };
     let taken = |name: &String| Some(name) == args.variant.as_ref();
     let variant = variants.names().iter().position(taken).map(|index| index as u32);

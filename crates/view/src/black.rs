@@ -3,7 +3,7 @@
 use midway_film::{Display, Image};
 use midway_render::{Integrator, Join};
 
-use crate::{ViewError, engine::Engine, pick};
+use crate::{ViewError, engine::Engine, nothing::is_nothing, pick};
 
 /// A pixel this dark in 8 bits is black to the eye.
 const BLACK: u8 = 2;
@@ -36,7 +36,7 @@ fn reason_of(engine: &Engine, image: &Image, shown: &Image) -> Option<String> {
         return Some(format!(
             "The exposure is too low: the brightest pixel is {brightest:.2e} W/(m² sr). Press ] to raise it."
         ));
-    } else if scene.counts().triangles == 0 {
+    } else if is_nothing(scene) {
         "There is no scene. Drop a .glb, or a folder with a .gltf, on the page."
     } else if !scene.has_light() {
         "Nothing emits light. Raise the environment's strength, or drop an .hdr on the page."

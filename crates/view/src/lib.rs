@@ -14,6 +14,7 @@ mod frame;
 mod guard;
 mod layers;
 mod measured;
+mod nothing;
 mod opening;
 mod pick;
 mod protocol;
@@ -26,6 +27,7 @@ mod uploads;
 
 use std::{io, net::SocketAddr};
 
+pub use nothing::nothing;
 pub use publish::Publisher;
 pub use server::{Address, Server};
 pub use session::{Session, Start};

@@ -19,6 +19,8 @@ pub struct Measured {
     pub points: Vec<[f64; 2]>,
     /// The last.
     pub relmse: Option<f64>,
+    /// Whether that is the distance from a reference, not estimated from halves of the samples.
+    pub by_reference: bool,
     next: u64,
     /// Why the picture is black, if it is.
     pub black: Option<String>,
@@ -56,7 +58,9 @@ impl Measured {
             return Ok(());
         }
         let image = engine.image()?;
-        let relmse = match reference.filter(|r| r.size() == image.size()) {
+        let reference = reference.filter(|r| r.size() == image.size());
+        self.by_reference = reference.is_some();
+        let relmse = match reference {
             Some(reference) => {
                 midway_film::rmse_and_relmse(&image, reference).map_or(f64::NAN, |(_, relmse)| relmse)
             }
@@ -81,6 +85,16 @@ impl Measured {
             });
         }
         self.black = black::reason(engine, &image)?;
+        Ok(())
+    }
+
+    /// Says anew why the picture is black, or that it is not, after it is shown in another way.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn judge_black(&mut self, engine: &Engine) -> Result<(), ViewError> {
+        let is_there = !engine.is_moving() && engine.is_whole() && engine.left.renderer.samples() > 0;
+        self.black = if is_there { black::reason(engine, &engine.image()?)? } else { None };
         Ok(())
     }
 }

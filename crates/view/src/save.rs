@@ -1,9 +1,13 @@
 //! The picture as a file.
 
-use std::sync::Arc;
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use midway_device::Device;
 use midway_film::{Display, Framing, Metadata, write_exr_with, write_png};
+use tokio::sync::oneshot;
 
 use crate::{ViewError, engine::Engine};
 
@@ -16,20 +20,66 @@ pub enum Format {
     Png,
 }
 
+/// How long a picture to be saved is waited for.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Where a picture that was asked for goes: its bytes, or why there are none.
+pub type Answer = oneshot::Sender<Result<Vec<u8>, String>>;
+
+/// Pictures that were asked for while there was none of full size: the view was moving, or had just changed.
+#[derive(Default)]
+pub struct Waiting(Vec<(Format, Answer, Instant)>);
+
+impl Waiting {
+    /// Whether any is waited for.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Another is asked for.
+    pub fn push(&mut self, format: Format, answer: Answer) {
+        self.0.push((format, answer, Instant::now()));
+    }
+
+    /// Answers all where there is a picture by now, `saved` by its format; else those that have waited long.
+    pub fn answer(
+        &mut self,
+        engine: &mut Engine,
+        saved: impl Fn(&Engine, Format) -> Result<Vec<u8>, ViewError>,
+    ) -> Result<(), ViewError> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        if !engine.is_moving() && engine.is_whole() {
+            engine.end_pass()?;
+        }
+        let is_there = !engine.is_moving() && engine.is_whole() && engine.left.renderer.samples() > 0;
+        for (format, answer, since) in std::mem::take(&mut self.0) {
+            if is_there {
+                // The browser may have gone.
+                let _ = answer.send(saved(engine, format).map_err(|error| error.to_string()));
+            } else if since.elapsed() >= PATIENCE {
+                let why = if engine.is_moving() { "the view is moving" } else { "there are no samples yet" };
+                let _ = answer.send(Err(format!("{why}: save again when it rests")));
+            } else {
+                self.0.push((format, answer, since));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// The samples so far as a file's bytes, with a header that says how they came about: of which scene, and of
 /// which variant of its materials where one is taken.
 ///
 /// # Errors
-/// If there are none yet, the device fails or the temporary file cannot be written.
+/// If the device fails or the temporary file cannot be written.
 pub fn bytes(
     engine: &Engine,
     names: (&str, Option<&str>),
     device: &Arc<dyn Device>,
     format: Format,
 ) -> Result<Vec<u8>, ViewError> {
-    if engine.left.renderer.samples() == 0 {
-        return Err(ViewError::Refused("there are no samples yet".into()));
-    }
     let image = engine.image()?;
     let header = header(engine, names, device);
     let folder = tempfile::tempdir()?;

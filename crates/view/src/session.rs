@@ -15,9 +15,9 @@ use midway_device::Device;
 use midway_film::Image;
 use midway_import::Variants;
 use midway_render::RenderSettings;
-use midway_scene::Scene;
+use midway_scene::{Camera, Scene};
 use serde_json::{Value, json};
-use tokio::sync::{broadcast, oneshot, watch};
+use tokio::sync::{broadcast, watch};
 
 use crate::{
     ViewError,
@@ -29,7 +29,7 @@ use crate::{
     opening::{Arrival, Opened, Opening, name_of},
     pick,
     protocol::{Method, Request, Shown},
-    save::{self, Format},
+    save::{self, Answer, Format, Waiting},
     told::{figures, scene_message},
 };
 
@@ -52,7 +52,7 @@ pub enum Command {
     /// To open a file on this machine, already confined.
     Open(PathBuf),
     /// To give the picture as a file.
-    Save(Format, oneshot::Sender<Result<Vec<u8>, String>>),
+    Save(Format, Answer),
 }
 
 /// The other side of the render thread.
@@ -108,6 +108,7 @@ impl Session {
         let seed = Seed { device: Arc::clone(&device), settings, shown, hold_time: hold, haste };
         let engine = Engine::new(loaded, seed)?;
         let mut worker = Worker {
+            reference_camera: engine.camera.clone(),
             engine,
             device,
             encoding,
@@ -127,6 +128,7 @@ impl Session {
             failure: None,
             opening: Opening::default(),
             changing: Changing::default(),
+            saves: Waiting::default(),
             opened: 0,
         };
         worker.tell_scene();
@@ -171,6 +173,8 @@ struct Worker {
     events: broadcast::Sender<Arc<str>>,
     watchers: Arc<AtomicUsize>,
     reference: Option<Image>,
+    /// The view that the reference is of: the first.
+    reference_camera: Camera,
     measured: Measured,
     paused: bool,
     shown_at: Instant,
@@ -180,6 +184,7 @@ struct Worker {
     failure: Option<String>,
     opening: Opening,
     changing: Changing,
+    saves: Waiting,
     /// Scenes that were opened.
     opened: u32,
 }
@@ -208,12 +213,13 @@ impl Worker {
             {
                 self.failure = Some(error.to_string());
             }
+            self.save();
             self.tell_status();
         }
     }
 
     fn is_idle(&self) -> bool {
-        let nobody = self.watchers.load(Ordering::Relaxed) == 0;
+        let nobody = self.watchers.load(Ordering::Relaxed) == 0 && self.saves.is_empty();
         let still = self.paused && !self.engine.is_moving();
         nobody || self.failure.is_some() || ((still || self.engine.is_done()) && !self.stale)
     }
@@ -238,15 +244,19 @@ impl Worker {
             Command::Request(request) => self.obey_request(request),
             Command::Open(path) => self.open(path),
             Command::Save(format, answer) => {
-                self.engine.end_pass()?;
-                let variant = self.variant.and_then(|index| self.variants.names().get(index as usize));
-                let names = (&*self.name, variant.map(String::as_str));
-                let saved = save::bytes(&self.engine, names, &self.device, format);
-                // The browser may have gone.
-                let _ = answer.send(saved.map_err(|error| error.to_string()));
+                self.saves.push(format, answer);
                 Ok(())
             }
         }
+    }
+
+    /// Answers who asked for the picture, once it is there.
+    fn save(&mut self) {
+        let variant = self.variant.and_then(|index| self.variants.names().get(index as usize));
+        let names = (&*self.name, variant.map(String::as_str));
+        let saved = |engine: &Engine, format| save::bytes(engine, names, &self.device, format);
+        let outcome = self.saves.answer(&mut self.engine, saved);
+        self.tell_refusal(outcome);
     }
 
     fn obey_request(&mut self, request: Request) -> Result<(), ViewError> {
@@ -254,8 +264,14 @@ impl Worker {
         match request {
             Request::Look(view) => engine.look(&view)?,
             Request::Render(wish) => engine.wish(&wish)?,
-            Request::Show(shown) => return engine.show(shown),
-            Request::Mix { factors } => return engine.mix(factors),
+            Request::Show(shown) => {
+                engine.show(shown)?;
+                return self.measured.judge_black(&self.engine);
+            }
+            Request::Mix { factors } => {
+                engine.mix(factors)?;
+                return self.measured.judge_black(&self.engine);
+            }
             Request::Split { right } => engine.split(right)?,
             Request::Region { window } => engine.region(window)?,
             Request::Restart => engine.restart()?,
@@ -378,7 +394,10 @@ impl Worker {
             self.shown_at = Instant::now();
             self.encoding.show(pixels);
         }
-        self.measured.measure(&self.engine, self.reference.as_ref())
+        let engine = &self.engine;
+        let is_of_this =
+            self.opened == 0 && engine.camera == self.reference_camera && engine.settings.crop.is_none();
+        self.measured.measure(engine, self.reference.as_ref().filter(|_| is_of_this))
     }
 
     fn event(&self, event: &Value) {
@@ -415,7 +434,7 @@ impl Worker {
             "shown": engine.shown, "mix": engine.mix_shown(), "paused": self.paused, "moving": engine.is_moving(), "done": engine.is_done(),
             "frame_ms": engine.frame_time.as_secs_f64() * 1e3, "hold_ms": engine.hold_time().as_secs_f64() * 1e3,
             "device": info.name, "backend": info.backend,
-            "relmse": self.measured.relmse, "measured_by": if self.reference.is_some() { "reference" } else { "halves" },
+            "relmse": self.measured.relmse, "measured_by": if self.measured.by_reference { "reference" } else { "halves" },
             "plot": self.measured.points, "black": self.measured.black, "failure": self.failure,
         })
     }

@@ -62,3 +62,57 @@ async fn the_picture_goes_on_while_a_scene_is_opened() {
     let triangles = browser.told_that(is_field).await["triangles"].as_u64();
     assert_eq!(triangles, Some(2 * (SIDE as u64 - 1).pow(2)));
 }
+
+/// What is shown small for speed is not what is saved.
+#[tokio::test]
+async fn a_picture_is_saved_whole_while_the_view_moves() {
+    const SIDE: usize = 640;
+    let scene = midway_import::load(&own_scene("lamp.gltf")).expect("loads").scene;
+    let server = Running::showing(scene, SIDE as u32);
+    let mut browser = server.browser().await;
+    for input in 1..20 {
+        browser.ask(look(input)).await;
+        browser.frame_of(input).await;
+    }
+    let exr = server.saved("exr");
+    let image = ExrFile::from_bytes(Path::new("saved.exr"), &exr).expect("an EXR").image();
+    assert_eq!(image.expect("has a picture").size(), [SIDE; 2]);
+}
+
+/// Without a scene the page asks for one, and shows the one that is dropped.
+#[tokio::test]
+async fn there_may_be_no_scene_at_first() {
+    let server = Running::showing(midway_view::nothing(), SIZE);
+    let mut browser = server.browser().await;
+    let asks = |m: &Value| m["black"].as_str().is_some_and(|why| why.contains("Drop a .glb"));
+    browser.told_that(asks).await;
+    for file in ["cornell-box.gltf", "cornell-box.bin"] {
+        let Ok(bytes) = std::fs::read(own_scene(file)) else { continue };
+        assert_eq!(server.put(&format!("/upload/1/{file}"), &browser.key, &bytes), 204);
+    }
+    browser.ask(json!({ "type": "open", "batch": 1, "path": "cornell-box.gltf" })).await;
+    browser.told_that(|m| m["type"] == "scene" && m["name"] == "cornell-box.gltf").await;
+    let exr = server.saved("exr");
+    let image = ExrFile::from_bytes(Path::new("saved.exr"), &exr).expect("an EXR").image();
+    assert!(!image.expect("has a picture").is_black());
+}
+
+/// The reason of a black picture goes by how it is shown now, paused or not.
+#[tokio::test]
+async fn a_black_picture_says_why_as_it_is_shown_now() {
+    let server = Running::start(None, false);
+    let mut browser = server.browser().await;
+    browser.told_that(|m| m["type"] == "status" && m["left"]["samples"].as_u64() > Some(8)).await;
+    browser.ask(json!({ "type": "pause", "paused": true })).await;
+    let shown = browser.told_that(|m| m["type"] == "status" && m["paused"] == true).await["shown"].clone();
+    let with = |exposure: f32| {
+        let mut request = shown.clone();
+        request["type"] = "show".into();
+        request["exposure"] = exposure.into();
+        request
+    };
+    browser.ask(with(-40.0)).await;
+    browser.told_that(|m| m["black"].as_str().is_some_and(|why| why.contains("exposure"))).await;
+    browser.ask(with(0.0)).await;
+    browser.told_that(|m| m["type"] == "status" && m["black"].is_null()).await;
+}

@@ -14,7 +14,9 @@ use std::{
 
 use futures_util::{SinkExt, StreamExt};
 use midway_device::CpuDevice;
+use midway_import::Variants;
 use midway_render::RenderSettings;
+use midway_scene::Scene;
 use midway_view::{Address, Server, Session, Start};
 use serde_json::{Value, json};
 use tokio::net::TcpStream as Socket;
@@ -36,7 +38,6 @@ impl Running {
     }
 
     pub fn of(path: &Path, variant: Option<u32>, ip: Option<IpAddr>, read_only: bool) -> Self {
-        let settings = RenderSettings { width: SIZE, height: SIZE, ..RenderSettings::default() };
         let mut import = midway_import::load(path).expect("loads");
         if let Some(materials) = variant.and_then(|variant| import.variants.materials(Some(variant))) {
             import
@@ -46,17 +47,14 @@ impl Running {
                 .zip(materials)
                 .for_each(|(mesh, material)| mesh.material = material);
         }
-        let session = Session::start(Start {
-            device: Arc::new(CpuDevice::new(Some(1)).expect("starts")),
-            scene: import.scene,
-            name: path.file_name().expect("has a name").to_string_lossy().into_owned(),
-            variants: import.variants,
-            variant,
-            settings,
-            hold: Duration::from_millis(33),
-            reference: None,
-        });
-        Self::serving(session.expect("starts"), ip, read_only)
+        let name = path.file_name().expect("has a name").to_string_lossy().into_owned();
+        let start = Start { name, variants: import.variants, variant, ..start(import.scene, SIZE) };
+        Self::serving(Session::start(start).expect("starts"), ip, read_only)
+    }
+
+    /// To whoever comes, with a film of `side` by `side`.
+    pub fn showing(scene: Scene, side: u32) -> Self {
+        Self::serving(Session::start(start(scene, side)).expect("starts"), None, false)
     }
 
     pub fn serving(session: Session, ip: Option<IpAddr>, read_only: bool) -> Self {
@@ -100,16 +98,11 @@ impl Running {
         self.ask(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n{headers}\r\n"), b"")
     }
 
-    /// The picture as a file, once it has samples: what is told of it may be of the picture before a change.
+    /// The picture as a file.
     pub fn saved(&self, format: &str) -> Vec<u8> {
-        let deadline = Instant::now() + DEADLINE;
-        loop {
-            match self.get(&format!("/save/{format}"), "") {
-                (200, _, file) => return file,
-                (409, ..) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(20)),
-                (status, _, why) => panic!("{status}: {}", String::from_utf8_lossy(&why)),
-            }
-        }
+        let (status, _, file) = self.get(&format!("/save/{format}"), "");
+        assert_eq!(status, 200, "{}", String::from_utf8_lossy(&file));
+        file
     }
 
     pub fn put(&self, path: &str, key: &str, body: &[u8]) -> u16 {
@@ -125,6 +118,19 @@ impl Running {
         let mut browser = Browser { socket, key: String::new() };
         browser.key = browser.told("hello").await["key"].as_str().expect("a key").to_owned();
         browser
+    }
+}
+
+fn start(scene: Scene, side: u32) -> Start {
+    Start {
+        device: Arc::new(CpuDevice::new(Some(1)).expect("starts")),
+        scene,
+        name: "scene".to_owned(),
+        variants: Variants::default(),
+        variant: None,
+        settings: RenderSettings { width: side, height: side, ..RenderSettings::default() },
+        hold: Duration::from_millis(33),
+        reference: None,
     }
 }
 
