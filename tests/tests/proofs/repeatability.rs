@@ -11,7 +11,7 @@ use midway_tests::{
 
 use crate::support::{Report, in_turn, settings};
 
-/// Pixels along both sides: more paths than one batch of a lane (4096) at 3 samples.
+/// Pixels along both sides: more paths than one batch of a lane (1024) at 3 samples.
 const SIZE: usize = 48;
 /// Samples a pixel.
 const SAMPLES: u64 = 3;
