@@ -26,6 +26,26 @@ fn material(lines: &str) -> (Material, Vec<WarningKind>) {
 }
 
 #[test]
+fn a_line_may_name_several_libraries_by_any_slash() {
+    let folder = Folder::new();
+    folder.write("sub/a.mtl", "newmtl a\nKd 1 0 0\n");
+    folder.write("b.mtl", "newmtl b\nKd 0 1 0\n");
+    folder.write("c d.mtl", "newmtl c\nKd 0 0 1\n");
+    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n";
+    let scene =
+        folder.write("scene.obj", format!("mtllib sub\\a.mtl b.mtl\nmtllib c d.mtl\n{FOLDED}{faces}"));
+    let import = load(&scene).unwrap();
+    assert_eq!(kinds(&import), []);
+    for colour in [Vec3::X, Vec3::Y, Vec3::Z] {
+        let surface = Surface::Diffuse { reflectance: colour.into() };
+        assert!(import.scene.materials.iter().any(|material| material.surface == surface), "{colour}");
+    }
+    let scene = folder.write("scene.obj", format!("mtllib b.mtl e.mtl\n{FOLDED}{faces}"));
+    let warnings: Vec<String> = load(&scene).unwrap().warnings.iter().map(|w| w.message.clone()).collect();
+    assert!(warnings.iter().any(|warning| warning.contains("\"e.mtl\" does not exist")), "{warnings:?}");
+}
+
+#[test]
 fn materials() {
     use WarningKind::{Alpha, Approximation, MissingFile, Repaired, Texture, Unused};
     let rough = |exponent: f32| Roughness::alpha((2.0 / (exponent + 2.0)).sqrt());

@@ -247,6 +247,9 @@ fn area_lights_shine_from_pbrts_side_with_pbrts_radiance() {
     ));
     assert_eq!(kinds(&object), [WarningKind::Light]);
     assert_eq!(object.scene.counts().emissive_triangles, 0);
+    let absent = world(&format!("Material \"interface\" AreaLightSource \"diffuse\" {TRIANGLE}"));
+    assert_eq!(kinds(&absent), [WarningKind::Light]);
+    assert_eq!(absent.scene.counts().emissive_triangles, 0);
 }
 
 #[test]

@@ -61,17 +61,32 @@ fn load_libraries(
     warnings: &mut Warnings,
 ) -> Result<Library, ImportError> {
     let mut library = Library::default();
-    for (name, line) in &obj.libraries {
+    for (names, line) in &obj.libraries {
         let place = Place::new(path, line.to_string());
-        match folder.read_text(name, &place) {
+        let names = names.replace('\\', "/");
+        let mut read = |name: &str| match folder.read_text(name, &place) {
             Ok(bytes) => {
                 library.read(path, name, &String::from_utf8_lossy(&bytes), warnings)?;
+                Ok(true)
             }
-            Err(ImportError::MissingBuffer { .. }) => {
-                let message = format!("the material file {name:?} does not exist");
-                warnings.add(WarningKind::MissingFile, text::place_of(path, *line), message);
+            Err(ImportError::MissingBuffer { .. }) => Ok(false),
+            Err(other) => Err(other),
+        };
+        // A line may name several files, and a file's name may have spaces.
+        if read(&names)? {
+            continue;
+        }
+        let words: Vec<&str> = names.split_whitespace().collect();
+        let mut missing = Vec::new();
+        for &word in &words {
+            if words.len() == 1 || !read(word)? {
+                missing.push(word);
             }
-            Err(other) => return Err(other),
+        }
+        let missing = if missing.len() == words.len() { vec![&*names] } else { missing };
+        for name in missing {
+            let message = format!("the material file {name:?} does not exist");
+            warnings.add(WarningKind::MissingFile, text::place_of(path, *line), message);
         }
     }
     Ok(library)

@@ -489,9 +489,14 @@ impl<'w> Interpreter<'w> {
         let Some(light) = self.state.area_light.clone() else {
             return self.plain_material(alpha);
         };
+        let mut material = self.dressed(alpha);
+        if self.version == Version::V4 && material.surface == Surface::Null {
+            let message = "area lights on surfaces that are not there do not shine, as in pbrt";
+            self.warnings.add(WarningKind::Light, "", message);
+            return Ok(self.world.material(self.look(alpha, None), || material));
+        }
         let reader = Reader { folder: &self.folder, version: self.version, colour_space: light.colour_space };
         let found = lights::area(&light.params, &reader, &mut self.textures, self.warnings)?;
-        let mut material = self.dressed(alpha);
         (material.emission, material.emits) = (found.emission, found.emits);
         let Some(power) = found.power else {
             let look = self.look(alpha, Some(light.index));
