@@ -156,6 +156,7 @@ try {
     await page.mouse.up();
     await wait((last) => Number(document.body.dataset.input) > last, 0);
     const dragged = await input();
+    assert.equal(await page.evaluate(() => document.getElementById("cameras").selectedIndex), -1);
     await shot("moving");
     await page.focus("#picture");
     await page.keyboard.press("ArrowLeft");

@@ -13,13 +13,14 @@ const POLE = 0.02;
 
 export class Camera {
   constructor() {
-    this.set({ eye: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0], fov: 40, lens: 0, focus: null });
+    this.set({ eye: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0], fov: 40, height: null, lens: 0, focus: null });
   }
 
   set(view) {
     this.eye = view.eye.slice();
     this.target = view.target.slice();
     this.fov = view.fov;
+    this.height = view.height ?? null; // of parallel rays
     this.lens = view.lens ?? 0;
     this.focus = view.focus ?? null;
     // Orbits keep what is up in the world up, unless the camera lies on its side.
@@ -28,8 +29,8 @@ export class Camera {
   }
 
   view() {
-    const { eye, target, up, fov, lens, focus } = this;
-    return { eye, target, up, fov, lens, focus };
+    const { eye, target, up, fov, height, lens, focus } = this;
+    return { eye, target, up, fov, height, lens, focus };
   }
 
   distance() { return length(sub(this.eye, this.target)); }
@@ -55,12 +56,14 @@ export class Camera {
   /** Moves across the view; x right and y up in heights of the picture. */
   pan(x, y) {
     const { right, above } = this.axes();
-    const height = 2 * this.distance() * Math.tan(((this.fov ?? 40) * Math.PI) / 360);
+    const height = this.height ?? 2 * this.distance() * Math.tan(((this.fov ?? 40) * Math.PI) / 360);
     this.shift(add(scale(right, x * height), scale(above, y * height)));
   }
 
   zoom(factor) {
-    this.eye = add(this.target, scale(sub(this.eye, this.target), Math.min(10, Math.max(0.1, factor))));
+    const by = Math.min(10, Math.max(0.1, factor));
+    if (this.height != null) this.height *= by;
+    else this.eye = add(this.target, scale(sub(this.eye, this.target), by));
   }
 
   /** Flies: right, up, forward, in distances to the target. */
@@ -89,6 +92,7 @@ export class Camera {
     const narrower = Math.min(above, Math.atan(Math.tan(above) * aspect));
     const distance = (1.05 * radius) / Math.sin(narrower);
     const { back } = this.axes();
+    if (this.height != null) this.height = (2.1 * radius) / Math.min(1, aspect);
     this.target = centre;
     this.eye = add(centre, scale(back, distance));
   }

@@ -62,7 +62,7 @@ const link = new Link({
   picked({ point }) {
     if (!point) return notice("nothing is there");
     camera.focusOn(point);
-    look();
+    moved();
   },
   status(status) {
     if (!status.left) return;
@@ -103,8 +103,15 @@ function look() {
   });
 }
 
+// What is moved by hand is no longer one of the list, so that it can be chosen again.
+function moved() {
+  element("cameras").selectedIndex = -1;
+  element("saved").value = "";
+  look();
+}
+
 const stage = new Stage(element("picture"), element("divider"), element("region-box"), camera, {
-  moved: look,
+  moved,
   picked: (x, y) => link.send({ type: "pick", x, y }),
   marked: (part) => {
     const [width, height] = state.status.film;
@@ -176,7 +183,7 @@ on("variant", "change", () => {
 });
 on("env-strength", "change", sendEnvironment);
 on("env-rotation", "change", sendEnvironment);
-on("fov", "input", () => { camera.fov = number("fov"); look(); });
+on("fov", "input", () => { camera.fov = number("fov"); moved(); });
 on("take", "click", () => link.send({ type: "take" }));
 on("restart", "click", () => link.send({ type: "restart" }));
 on("frame-all", "click", frameAll);
@@ -198,7 +205,7 @@ function frameAll() {
   if (!state.scene) return;
   const [width, height] = state.status?.film ?? [1, 1];
   camera.frame(state.scene.bounds, width / height);
-  look();
+  moved();
 }
 
 async function save(format) {

@@ -104,6 +104,9 @@ pub struct View {
     /// Vertical field of view in degrees; none: as before.
     #[serde(default)]
     pub fov: Option<f32>,
+    /// Height of the film in the world, of a camera with parallel rays; none: as before.
+    #[serde(default)]
+    pub height: Option<f32>,
     /// Radius of the lens; none: as before.
     #[serde(default)]
     pub lens: Option<f32>,

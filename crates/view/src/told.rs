@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 use midway_render::{RenderStats, Renderer};
-use midway_scene::{Bounds, Camera, Scene};
+use midway_scene::{Bounds, Camera, Projection, Scene};
 use serde_json::{Value, json};
 
 use crate::{
+    nothing::is_nothing,
     pick,
     protocol::{Method, Surroundings},
 };
@@ -47,8 +48,9 @@ pub fn scene_message(
 ) -> Value {
     let (bounds, counts) = (outline.bounds, scene.counts());
     let groups = scene.light_groups().names;
+    let n_triangles = if is_nothing(scene) { 0 } else { counts.triangles };
     json!({
-        "type": "scene", "name": name, "triangles": counts.triangles,
+        "type": "scene", "name": name, "triangles": n_triangles,
         "lights": counts.emissive_triangles + scene.lights.len(),
         "cameras": outline.cameras, "view": view_of(camera, target),
         "bounds": [bounds.min.to_array(), bounds.max.to_array()],
@@ -61,9 +63,13 @@ fn view_of(camera: &Camera, target: Vec3) -> Value {
     let eye = camera.position();
     let direction = |axis: Vec3| camera.world_from_camera.transform_vector3(axis).normalize();
     let distance = eye.distance(target);
+    let height = match camera.projection {
+        Projection::Orthographic { height } => Some(height),
+        Projection::Perspective { .. } => None,
+    };
     json!({
         "name": camera.name, "eye": eye.to_array(), "up": direction(Vec3::Y).to_array(),
         "target": (eye + direction(Vec3::NEG_Z) * distance).to_array(),
-        "fov": camera.yfov().map(f32::to_degrees), "lens": camera.lens_radius, "focus": camera.focus_distance,
+        "fov": camera.yfov().map(f32::to_degrees), "height": height, "lens": camera.lens_radius, "focus": camera.focus_distance,
     })
 }

@@ -182,11 +182,12 @@ impl Engine {
         let yfov = view.fov.map(f32::to_radians);
         let seen = Camera::look_at(eye, target, up, yfov.unwrap_or(1.0))
             .map_err(|e| ViewError::Refused(e.to_string()))?;
-        let projection = match (yfov, self.camera.projection) {
-            (Some(yfov), Projection::Perspective { .. }) => Projection::Perspective { yfov },
-            (_, projection) => projection,
-        };
         let positive = |value: Option<f32>| value.filter(|v| v.is_finite() && *v > 0.0);
+        let projection = match (self.camera.projection, yfov, positive(view.height)) {
+            (Projection::Perspective { .. }, Some(yfov), _) => Projection::Perspective { yfov },
+            (Projection::Orthographic { .. }, _, Some(height)) => Projection::Orthographic { height },
+            (projection, ..) => projection,
+        };
         let lens_radius = view.lens.filter(|r| r.is_finite() && *r >= 0.0).unwrap_or(self.camera.lens_radius);
         self.camera = Camera {
             world_from_camera: seen.world_from_camera,

@@ -1,10 +1,15 @@
 //! Browsers that look and steer.
 
-use std::time::{Duration, Instant};
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
 
+use midway_film::ExrFile;
+use midway_scene::Projection;
 use serde_json::json;
 
-use crate::running::{Running, SIZE, look};
+use crate::running::{Running, SIZE, look, own_scene};
 
 fn picture_of(frame: &[u8]) -> image::RgbImage {
     let length = u32::from_le_bytes(frame[24..28].try_into().expect("four")) as usize;
@@ -83,4 +88,27 @@ async fn a_picture_to_be_looked_at_cannot_be_changed() {
         browser.told("refused").await;
     }
     assert_eq!(server.put("/upload/1/a.glb", &browser.key, b"x"), 403);
+}
+
+/// A camera with parallel rays sees more or less by the height of its film, not by where it stands.
+#[tokio::test]
+async fn parallel_rays_zoom_by_the_height_of_the_film() {
+    let mut scene = midway_import::load(&own_scene("cornell-box.gltf")).expect("loads").scene;
+    scene.cameras[0].projection = Projection::Orthographic { height: 600.0 };
+    let server = Running::showing(scene, SIZE);
+    let mut browser = server.browser().await;
+    let told = browser.told("scene").await;
+    assert_eq!(told["view"]["height"], 600.0);
+    let mut seen = Vec::new();
+    for (input, height) in [(1, 600.0), (2, 4000.0)] {
+        let (eye, target) = ([278, 273, -800], [278, 273, 0]);
+        let up = [0, 1, 0];
+        let view = json!({ "type": "look", "eye": eye, "target": target, "up": up, "height": height, "input": input });
+        browser.ask(view).await;
+        browser.frame_of(input).await;
+        let exr = server.saved("exr");
+        let image = ExrFile::from_bytes(Path::new("saved.exr"), &exr).expect("an EXR").image();
+        seen.push(image.expect("has a picture").pixels.iter().filter(|pixel| pixel[1] > 0.0).count());
+    }
+    assert!(seen[0] > 10 * seen[1], "{seen:?}");
 }
