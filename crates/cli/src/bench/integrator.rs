@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use midway_device::DeviceKind;
-use midway_render::{BounceRays, KernelTime, RenderSettings, rays::replay};
+use midway_render::{KernelTime, RenderSettings, Renderer, rays::replay};
 use serde_json::{Value, json};
 
 use super::{
@@ -36,9 +36,11 @@ pub fn run(args: &IntegratorBenchArgs) -> Outcome {
     finish(args.json, &*device, rows)
 }
 
-/// Twice the same samples: first for their time, then kernel by kernel, since timestamps cost some.
+/// Twice the same samples: first for their time, then kernel by kernel, since timestamps cost some. Last the
+/// rays of a sample of each pixel, bare.
 fn measure(bench: &Bench, name: &str, settings: RenderSettings, spp: u64) -> Outcome<Value> {
-    let mut renderer = bench.renderer(settings.clone())?;
+    let has_pool = settings.integrator.uses_pool();
+    let mut renderer = bench.renderer(settings)?;
     renderer.restart().map_err(failure)?;
     let before = renderer.stats().map_err(failure)?.rays;
     let wall = run_until(&mut renderer, Until::Samples(spp))?;
@@ -56,16 +58,18 @@ fn measure(bench: &Bench, name: &str, settings: RenderSettings, spp: u64) -> Out
         .map(|time| seconds(time.total))
         .sum();
     let longest = times.values().map(|time| seconds(time.longest)).fold(0.0, f64::max) * 1e3;
-    let replay =
-        replay(renderer.device(), bench.scene(), renderer_rays(bench, settings)?).map_err(failure)?;
-    let bare = replay.n_rays as f64 * 1e-6 / seconds(replay.time).max(f64::MIN_POSITIVE);
+    let bare = if has_pool { None } else { Some(bare_rate(bench, &mut renderer)?) };
+    let reached = bare.map(|bare| rate(seconds(wall)) / bare);
+    let beside = match (bare, reached) {
+        (Some(bare), Some(reached)) => format!("; its rays bare {bare:.1}, of which it reaches {reached:.3}"),
+        _ => String::new(),
+    };
     console::note(&format!(
-        "{name}: {:.1} Mrays/s by the clock, {:.1} over all kernels, {:.1} while tracing; its rays replayed bare \
-         {bare:.1}, of which it reaches {:.3}; longest dispatch {longest:.1} ms",
+        "{name}: {:.1} Mrays/s by the clock, {:.1} over all kernels, {:.1} while tracing{beside}; longest dispatch \
+         {longest:.1} ms",
         rate(seconds(wall)),
         rate(kernels),
         rate(traversal),
-        rate(seconds(wall)) / bare,
     ));
     for (kernel, time) in &times {
         let share = 100.0 * seconds(time.total) / kernels.max(f64::MIN_POSITIVE);
@@ -79,12 +83,15 @@ fn measure(bench: &Bench, name: &str, settings: RenderSettings, spp: u64) -> Out
         "scene": bench.name, "integrator": name, "rays": rays, "seconds": seconds(wall),
         "mrays_per_second": rate(seconds(wall)), "mrays_per_second_of_kernels": rate(kernels),
         "mrays_per_second_tracing": rate(traversal), "mrays_per_second_replayed": bare,
-        "over_replay": rate(seconds(wall)) / bare, "kernel_ms": milliseconds(|time| time.total),
+        "over_replay": reached, "kernel_ms": milliseconds(|time| time.total),
         "longest_dispatch_ms": milliseconds(|time| time.longest),
     }))
 }
 
-/// Those of a sample of each pixel.
-fn renderer_rays(bench: &Bench, settings: RenderSettings) -> Outcome<Vec<Vec<BounceRays>>> {
-    bench.renderer(settings)?.record_rays().map_err(failure)
+/// Millions of rays a second where those of a sample of each pixel are traced with nothing between. Rays of a
+/// pool are not recorded.
+fn bare_rate(bench: &Bench, renderer: &mut Renderer) -> Outcome<f64> {
+    let recorded = renderer.record_rays().map_err(failure)?;
+    let replay = replay(renderer.device(), bench.scene(), recorded).map_err(failure)?;
+    Ok(replay.n_rays as f64 * 1e-6 / replay.time.as_secs_f64().max(f64::MIN_POSITIVE))
 }

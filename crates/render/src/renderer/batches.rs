@@ -16,8 +16,8 @@ use crate::{Join, RenderError, batch::Lane, sizes::reserved_slots};
 
 /// A GPU's list of commands aims to last at least this long, so that little time goes to waiting…
 const RUN_TARGET: Duration = Duration::from_millis(40);
-/// … and at most this long: of the many dispatches in it none then lasts 50 ms, and a desktop's
-/// watchdog never fires.
+/// … and at most this long: of the many dispatches of a list of bounces none then lasts 50 ms, and a
+/// desktop's watchdog never fires.
 const RUN_LIMIT: Duration = Duration::from_millis(100);
 
 /// Places of a pass that a lane works through at a time, with this many paths in flight at most.

@@ -87,7 +87,7 @@ async fn there_may_be_no_scene_at_first() {
     let asks = |m: &Value| m["black"].as_str().is_some_and(|why| why.contains("Drop a .glb"));
     browser.told_that(asks).await;
     for file in ["cornell-box.gltf", "cornell-box.bin"] {
-        let Ok(bytes) = std::fs::read(own_scene(file)) else { continue };
+        let bytes = std::fs::read(own_scene(file)).expect("is there");
         assert_eq!(server.put(&format!("/upload/1/{file}"), &browser.key, &bytes), 204);
     }
     browser.ask(json!({ "type": "open", "batch": 1, "path": "cornell-box.gltf" })).await;
