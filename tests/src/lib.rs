@@ -4,6 +4,7 @@ pub mod albedo;
 pub mod camera_scenes;
 pub mod dispersion;
 pub mod estimate;
+pub mod everything;
 pub mod integrators;
 pub mod lit;
 pub mod mitsuba;

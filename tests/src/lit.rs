@@ -161,7 +161,7 @@ fn sky_frame() -> Mat3 {
     Mat3::from_rotation_x(1.3) * Mat3::from_rotation_y(0.7)
 }
 
-fn add_sky(scene: &mut Scene) {
+pub(crate) fn add_sky(scene: &mut Scene) {
     scene.images.push(sky_image());
     scene.environment =
         Some(Environment { radiance: SKY_RADIANCE, image: Some(0), world_from_environment: sky_frame() });

@@ -194,7 +194,7 @@ pub fn materials_room(smooth: bool) -> Scene {
     scene
 }
 
-fn dielectric(thin: bool, alpha: f32) -> Surface {
+pub(crate) fn dielectric(thin: bool, alpha: f32) -> Surface {
     Surface::Dielectric {
         ior: 1.5,
         dispersion: 0.0,
@@ -234,7 +234,7 @@ pub fn leaning_materials_room() -> Scene {
     scene
 }
 
-fn rough_surfaces() -> Vec<Surface> {
+pub(crate) fn rough_surfaces() -> Vec<Surface> {
     let copper = ConductorFresnel::Complex {
         eta: Vec3::new(0.2, 0.92, 1.1),
         k: Vec3::new(3.91, 2.45, 2.14),
@@ -270,7 +270,7 @@ fn rough_surfaces() -> Vec<Surface> {
     ]
 }
 
-fn smooth_surfaces() -> Vec<Surface> {
+pub(crate) fn smooth_surfaces() -> Vec<Surface> {
     let base = MetallicRoughness {
         base_color: Vec3::new(0.3, 0.7, 0.9).into(),
         clearcoat: 1.0.into(),

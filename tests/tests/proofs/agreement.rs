@@ -1,9 +1,14 @@
 //! Integrators against each other, where there is no closed form.
 
+use std::sync::Arc;
+
+use midway_device::Device;
+use midway_film::Image;
 use midway_render::Integrator;
 use midway_scene::Scene;
 use midway_tests::{
-    estimate::{Agreement, Blocks, cpu},
+    estimate::{Agreement, Blocks, cpu, gpu},
+    everything::everything,
     integrators::{self, Case},
     lit, scenes,
 };
@@ -30,6 +35,41 @@ fn integrators_agree_on_shading_normals() {
 fn integrators_agree_on_all_lights_at_once() {
     let _turn = in_turn();
     agree(&lit::room_with_all_lights(), &integrators::path());
+}
+
+/// Every light and every material in one room, by every integrator on both devices: what one kind does to
+/// another is met too, as a spot's light on a coat seen in a mirror is.
+#[test]
+fn integrators_agree_on_every_light_and_material_at_once() {
+    let _turn = in_turn();
+    let everything = everything();
+    let all_pixels = vec![true; scenes::SIZE * scenes::SIZE];
+    let seen_by_light = everything.seen_by_light();
+    let n_seen = seen_by_light.iter().filter(|seen| **seen).count();
+    assert!(n_seen > all_pixels.len() / 2 && n_seen < all_pixels.len(), "{n_seen} pixels seen by light");
+    let images = |device: &Arc<dyn Device>, case: &Case, samples| {
+        estimate(device, &everything.scene, scenes::SIZE, case, samples)
+    };
+    let expected = images(&cpu(), &integrators::path(), AGAINST * SAMPLES);
+    let devices = [("CPU", Some(cpu()), SAMPLES), ("GPU", gpu(), SAMPLES / 4)];
+    let mut report = Report::default();
+    for (name, device, samples) in
+        devices.into_iter().filter_map(|(name, device, n)| Some((name, device?, n)))
+    {
+        for case in integrators::all() {
+            let in_use = match case.settings.integrator {
+                // Points, spots and the sun cannot be hit.
+                Integrator::PathNaive => continue,
+                Integrator::Path if name == "CPU" => continue,
+                Integrator::Light => &seen_by_light,
+                _ => &all_pixels,
+            };
+            let blocks = |images: &[Image]| Blocks::of_batches(images, in_use);
+            let agreement = Agreement::of(&blocks(&images(&device, &case, samples)), &blocks(&expected));
+            report.check_where_reachable(&format!("{name}, {}", case.name()), &agreement);
+        }
+    }
+    report.finish();
 }
 
 fn agree(scene: &Scene, reference: &Case) {

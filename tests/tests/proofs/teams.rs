@@ -28,7 +28,7 @@ fn one_thread() -> Arc<dyn Device> {
 }
 
 fn team(devices: &[Arc<dyn Device>], scene: &Scene, settings: &RenderSettings) -> Team {
-    Team::new(devices, scene, &scene.cameras[0], settings, |_| {}).expect("starts")
+    Team::new(devices, scene, &scene.cameras[0], settings, &[], |_| {}).expect("starts")
 }
 
 fn finish(team: &mut Team) -> Image {
