@@ -19,7 +19,7 @@ fn generate_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
         return;
     }
     if (start_light_path(id, id)) {
-        push_path(id);
+        push_started(id);
     } else {
         next_light_path(id);
     }

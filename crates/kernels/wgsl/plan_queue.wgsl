@@ -12,9 +12,12 @@ fn plan_queue(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (invocation_index(invocation) != 0u) {
         return;
     }
-    let length = atomicLoad(&counters[COUNT_OUT]);
+    let front = atomicLoad(&counters[COUNT_OUT]);
+    let length = front + atomicLoad(&counters[COUNT_STARTED]);
     atomicStore(&counters[COUNT_IN], length);
+    atomicStore(&counters[COUNT_FRONT], front);
     atomicStore(&counters[COUNT_OUT], 0u);
+    atomicStore(&counters[COUNT_STARTED], 0u);
     atomicStore(&counters[COUNT_PARITY], 1u - atomicLoad(&counters[COUNT_PARITY]));
     write_grid(ARGS_QUEUE, length);
     count_rays(length);

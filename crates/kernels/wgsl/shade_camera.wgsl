@@ -45,6 +45,6 @@ fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let waiting = take_place();
     if (waiting != NONE) {
         start_camera_path(id, waiting);
-        push_path(id);
+        push_started(id);
     }
 }

@@ -12,6 +12,7 @@ use std::fmt::Write as _;
 
 use midway_device::DeviceKind;
 use midway_film::{Image, mean_and_trimmed};
+use midway_kernels::constants as k;
 
 use crate::{Integrator, IntegratorSettings, Join, RenderError, RenderSettings, Renderer};
 
@@ -35,12 +36,19 @@ const BLOCK: usize = 8;
 const FAR_BEHIND: f64 = 1.25;
 /// Keeps relative errors finite where the image is dark, as in relMSE.
 const EPSILON: f64 = 0.01;
-/// How long a ray of `bdpt` takes, for what is computed at its ends, against a ray of `path`: on a GPU
-/// (H100) 1.37 to 1.52 times in the project's scenes, on two cores 1.3 times.
-const fn bdpt_ray_cost(kind: DeviceKind) -> f64 {
-    match kind {
-        DeviceKind::Gpu => 1.45,
-        DeviceKind::Cpu | DeviceKind::SoftwareGpu => 1.3,
+/// How long a ray of `bdpt` takes, for what is computed at its ends, against a ray of `path`. On a GPU (H100)
+/// more by join, and more where surfaces have textures or many lobes: 1.3 to 1.42 times in plain scenes by
+/// `full`, 1.22 to 1.39 by k-step 1, but 1.75 to 2.05 and 1.35 to 1.54 in Sponza, the kitchen and behind
+/// Veach's door. On two cores 1.3 times.
+fn bdpt_ray_cost(kind: DeviceKind, features: u32, integrator: &IntegratorSettings) -> f64 {
+    let has_rich_surfaces = features & (k::FEATURE_TEXTURES | k::FEATURE_METALLIC_ROUGHNESS) != 0;
+    let has_one_join = integrator.joins() == Some(Join::KStep) && integrator.k == 1;
+    match (kind, has_rich_surfaces, has_one_join) {
+        (DeviceKind::Cpu | DeviceKind::SoftwareGpu, ..) => 1.3,
+        (DeviceKind::Gpu, false, false) => 1.4,
+        (DeviceKind::Gpu, false, true) => 1.3,
+        (DeviceKind::Gpu, true, false) => 1.9,
+        (DeviceKind::Gpu, true, true) => 1.5,
     }
 }
 
@@ -143,6 +151,17 @@ pub fn choose(renderer: &Renderer) -> Result<Choice, RenderError> {
     Ok(Choice::of(judge(&warm_ups)))
 }
 
+/// The settings by which [`choose`], beside a renderer of `settings`, and a render by its choice need all the
+/// kernels that they need: for compiling them early.
+pub fn settings_ahead(settings: &RenderSettings) -> Vec<RenderSettings> {
+    let warm_up = RenderSettings { light_groups: false, ..settings.clone() };
+    let by_each = |settings: RenderSettings| {
+        let by = |integrator| RenderSettings { integrator, ..settings.clone() };
+        candidates(&settings.integrator).map(by)
+    };
+    [settings.clone(), warm_up].into_iter().flat_map(by_each).collect()
+}
+
 /// The whole film with fewer pixels: the variance of a sample hardly depends on a pixel's size.
 fn small_settings(settings: &RenderSettings, n_pixels: f64) -> RenderSettings {
     let scale = (n_pixels / (f64::from(settings.width) * f64::from(settings.height))).sqrt().min(1.0);
@@ -170,23 +189,33 @@ fn warm_up(mut renderer: Renderer) -> Result<WarmUp, RenderError> {
     let images = [image(SEEDS[0])?, image(SEEDS[1])?];
     let rays = renderer.stats()?.rays as f64 / samples;
     let is_bdpt = integrator.integrator == Integrator::Bdpt;
-    let ray = if is_bdpt { bdpt_ray_cost(renderer.device().info().kind) } else { 1.0 };
+    let cost = || bdpt_ray_cost(renderer.device().info().kind, renderer.features(), &integrator);
+    let ray = if is_bdpt { cost() } else { 1.0 };
     Ok(WarmUp { integrator, images, work: rays * ray })
 }
 
 /// The error of each candidate. One that has not found some of the light in so few samples shows little
 /// spread: so it also counts how far those without splats are from those with, which have all strategies.
+/// Errors are relative to means over blocks: a pixel of so few samples would be large where one of those that
+/// are judged by it has a rare bright path, and forgive it that path alone.
 fn judge(warm_ups: &[WarmUp]) -> Vec<Candidate> {
     let is_complete = |w: &&WarmUp| w.integrator.uses_splat();
     let halves = [0, 1].map(|i| mean(warm_ups.iter().filter(is_complete).map(|w| &w.images[i])));
     let reference = mean(halves.iter());
+    let smooth = smooth(&reference);
     let judge = |w: &WarmUp| {
-        let spread = 0.5 * mean_and_trimmed(relative_squares(&w.images[0], &w.images[1], &reference)).1;
+        let spread = 0.5 * mean_and_trimmed(relative_squares(&w.images[0], &w.images[1], &smooth)).1;
         let missed =
             if is_complete(&w) { 0.0 } else { missed_error(&mean(w.images.iter()), &halves, &reference) };
         Candidate { integrator: w.integrator, relmse: SAMPLES as f64 * spread.max(missed), work: w.work }
     };
     warm_ups.iter().map(judge).collect()
+}
+
+/// An image whose pixels are the means of their blocks.
+fn smooth(image: &Image) -> Image {
+    let blocks = image.block_means(BLOCK);
+    Image::from_fn(image.width, image.height, |x, y| blocks.pixels[y / BLOCK * blocks.width + x / BLOCK])
 }
 
 /// The error of one of two images whose mean is `image`, by blocks of pixels: noise is as much smaller
@@ -229,9 +258,31 @@ fn relative_squares(a: &Image, b: &Image, reference: &Image) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::batch::LaneUses;
 
     fn candidate(integrator: IntegratorSettings, relmse: f64, work: f64) -> Candidate {
         Candidate { integrator, relmse, work }
+    }
+
+    /// A renderer of them compiles nothing for the warm-up or for what it chooses.
+    #[test]
+    fn kernels_are_known_ahead() {
+        let settings = RenderSettings { light_groups: true, ..RenderSettings::default() };
+        let ahead = settings_ahead(&settings);
+        let small = small_settings(&settings, 1024.0);
+        for rendered in [&settings, &small] {
+            let [path, full] = candidates(&rendered.integrator);
+            for integrator in [path, full].into_iter().chain(variants(full)) {
+                let needed: Vec<_> =
+                    LaneUses::of(&RenderSettings { integrator, ..rendered.clone() }).kernels().collect();
+                let holds = |one: &RenderSettings| {
+                    let kernels: Vec<_> = LaneUses::of(one).kernels().collect();
+                    one.light_groups == rendered.light_groups
+                        && needed.iter().all(|name| kernels.contains(name))
+                };
+                assert!(ahead.iter().any(holds), "{}", integrator.describe());
+            }
+        }
     }
 
     #[test]
@@ -261,6 +312,25 @@ mod tests {
             let expected = SAMPLES as f64 * 0.5 * difference * difference / 1.01;
             assert!((candidate.relmse - expected).abs() <= 1e-3 * expected, "{candidate:?}");
         }
+    }
+
+    /// Two that are alike are judged alike, though one of them has all strategies and is in the reference.
+    #[test]
+    fn rare_bright_paths_count_alike_in_all() {
+        let [path, full] = candidates(&IntegratorSettings::default());
+        let mut state = 1u32;
+        let mut pixel = |_, _| {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            [if state >> 8 < (1 << 24) / 50 { 50.0 } else { 0.1 }; 3]
+        };
+        let mut warm_up = |integrator| WarmUp {
+            integrator,
+            images: [0, 1].map(|_| Image::from_fn(64, 64, &mut pixel)),
+            work: 1.0,
+        };
+        let judged = judge(&[warm_up(path), warm_up(full)]);
+        let ratio = judged[0].relmse / judged[1].relmse;
+        assert!((0.7..1.4).contains(&ratio), "{ratio}");
     }
 
     /// Light that is missing in one block of sixteen weighs more than half of the spread.

@@ -33,7 +33,7 @@ pub struct LaneSize {
     pub n_places: u32,
     /// Shadow rays that a slot may push in a bounce.
     pub n_shadow_rays: u32,
-    /// Slots of light vertices before the appended ones.
+    /// Slots of light vertices before the appended ones, as many for each place.
     pub append_at: u32,
     /// Light vertices that can be appended.
     pub append_capacity: u32,
@@ -56,7 +56,7 @@ impl LaneSize {
         u64::from((self.append_at + self.append_capacity).max(1)) * u64::from(k::VERTEX_STRIDE) * VEC4
     }
 
-    /// Adds `lanes` lanes of this size to a plan. `own_vertices`: light vertices are not a pool's.
+    /// Adds `lanes` lanes of this size to a plan. `own_vertices`: they keep light vertices that are not a pool's.
     pub fn plan(&self, plan: &mut MemoryPlan, lanes: u64, own_vertices: bool) {
         plan.scaling("paths", lanes * self.path_bytes());
         plan.scaling("queues", lanes * u64::from(self.n_paths) * 8);
@@ -71,6 +71,8 @@ impl LaneSize {
 /// The working buffers of a lane and the kernels bound to them.
 pub struct Lane {
     size: LaneSize,
+    /// Places that it was made with.
+    most_places: u32,
     uses: LaneUses,
     params: Buffer,
     counters: Buffer,
@@ -205,7 +207,7 @@ impl Lane {
         let paths = add("paths", size.path_bytes(), BufferUsage::Storage)?;
         let queues = add("queues", u64::from(size.n_paths) * 8, BufferUsage::Storage)?;
         let shadow_rays = add("shadow_rays", size.shadow_bytes(), BufferUsage::Storage)?;
-        if own_vertices {
+        if uses.light && own_vertices {
             add("light_vertices", size.vertex_bytes(), BufferUsage::Storage)?;
             add("light_paths", u64::from(size.n_places) * 8, BufferUsage::Storage)?;
         }
@@ -223,6 +225,7 @@ impl Lane {
             recorded: Mutex::new(None),
             times: Mutex::new(None),
             size,
+            most_places: size.n_places,
             uses,
             params,
             counters,
@@ -249,11 +252,14 @@ impl Lane {
         self.uses
     }
 
-    /// Takes on another size, where its buffers have room for it. Only own light vertices may move.
+    /// Takes on another size, with no more places than it was made with, where its buffers have room for it.
+    /// Only own light vertices may move.
     pub fn resize(&mut self, size: LaneSize) -> bool {
+        let n_places = size.n_places.min(self.most_places);
+        let append_at = size.append_at / size.n_places * n_places;
+        let size = LaneSize { n_places, append_at, ..size };
         let slots = |size: LaneSize| u64::from(size.append_at) + u64::from(size.append_capacity);
         let fits = size.n_paths == self.size.n_paths
-            && size.n_places <= self.size.n_places
             && size.n_shadow_rays <= self.size.n_shadow_rays
             && slots(size) <= slots(self.size);
         if fits {

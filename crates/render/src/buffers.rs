@@ -1,35 +1,45 @@
 //! Buffers by the names that kernels know them by.
 
-use std::{collections::HashMap, thread};
+use std::{
+    collections::{BTreeSet, HashMap},
+    thread,
+};
 
 use midway_device::{BoundKernel, Buffer, Command, Device, DeviceError, Pipeline};
 use midway_kernels::kernel;
 
 use crate::RenderError;
 
+/// Compiles kernels, all at once; others are compiled when they are bound.
+pub fn load_all(
+    device: &dyn Device,
+    wanted: &BTreeSet<(Pipelines, &'static str)>,
+) -> Result<(), DeviceError> {
+    thread::scope(|scope| {
+        let load =
+            |(pipelines, name): (Pipelines, &'static str)| scope.spawn(move || pipelines.load(device, name));
+        let started: Vec<_> = wanted.iter().copied().map(load).collect();
+        started.into_iter().try_for_each(|thread| match thread.join() {
+            Ok(loaded) => loaded.map(|_| ()),
+            Err(panic) => std::panic::resume_unwind(panic),
+        })
+    })
+}
+
 /// Kernels as a scene needs them (`FEATURE_*`); a device compiles each of them once.
-#[derive(Clone)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Pipelines {
     features: u32,
 }
 
 impl Pipelines {
-    /// Compiles the named kernels, all at once; others are compiled when they are bound.
-    pub fn load(device: &dyn Device, features: u32, names: &[&'static str]) -> Result<Self, DeviceError> {
-        let pipelines = Self { features };
-        thread::scope(|scope| {
-            let pipelines = &pipelines;
-            let load = |&name| scope.spawn(move || pipelines.get(device, name));
-            let started: Vec<_> = names.iter().map(load).collect();
-            started.into_iter().try_for_each(|thread| match thread.join() {
-                Ok(loaded) => loaded.map(|_| ()),
-                Err(panic) => std::panic::resume_unwind(panic),
-            })
-        })?;
-        Ok(pipelines)
+    /// Those of a scene with these features.
+    pub fn new(features: u32) -> Self {
+        Self { features }
     }
 
-    fn get(&self, device: &dyn Device, name: &str) -> Result<Pipeline, DeviceError> {
+    /// A kernel, compiled.
+    pub fn load(self, device: &dyn Device, name: &str) -> Result<Pipeline, DeviceError> {
         let kernel = kernel(name);
         let features = [("FEATURES", f64::from(self.features))];
         // Kernels that know nothing of scenes have no such override.
@@ -60,7 +70,7 @@ impl BufferSet {
         pipelines: &Pipelines,
         name: &str,
     ) -> Result<BoundKernel, RenderError> {
-        let pipeline = &pipelines.get(device, name)?;
+        let pipeline = &pipelines.load(device, name)?;
         let buffers: Vec<&Buffer> = pipeline.kernel().bindings.iter().map(|b| self.get(b.name)).collect();
         Ok(device.bind(pipeline, &buffers)?)
     }

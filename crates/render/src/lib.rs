@@ -35,7 +35,7 @@ mod team;
 mod world;
 
 pub use aov::Aov;
-pub use auto::{Candidate, Choice, choose};
+pub use auto::{Candidate, Choice, choose, settings_ahead};
 pub use batch::{KernelTime, KernelTimes, LaneTotals};
 pub use error::RenderError;
 pub use hold::{Hold, HoldLimits, Load};

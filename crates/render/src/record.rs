@@ -30,13 +30,17 @@ impl Recorder {
     /// The rays of the queued paths that are about to be traced. `n_paths`: of the batch.
     pub fn queued(&self, device: &dyn Device, n_paths: u32) -> Result<Vec<[f32; 4]>, RenderError> {
         let counters: Vec<u32> = words(device, &self.counters, 0, u64::from(k::N_COUNTERS) * 4)?;
-        let (n, parity) = (counters[k::COUNT_IN as usize], counters[k::COUNT_PARITY as usize]);
-        let first = u64::from(parity) * u64::from(n_paths) * 4;
-        let queue: Vec<u32> = words(device, &self.queues, first, u64::from(n) * 4)?;
+        let [n, front, parity] =
+            [k::COUNT_IN, k::COUNT_FRONT, k::COUNT_PARITY].map(|count| counters[count as usize]);
+        let half = u64::from(n_paths) * 4;
+        let queue: Vec<u32> = words(device, &self.queues, u64::from(parity) * half, half)?;
+        // Those that have just started lie at the end, the first of them last.
+        let (going, rest) = queue.split_at(front as usize);
+        let queued = going.iter().chain(rest.iter().rev().take((n - front) as usize));
         let stride = k::PATH_STRIDE as usize;
         let paths: Vec<[f32; 4]> =
             words(device, &self.paths, 0, u64::from(n_paths) * u64::from(k::PATH_STRIDE) * 16)?;
-        let state = queue.iter().map(|&id| &paths[id as usize * stride..][..stride]);
+        let state = queued.map(|&id| &paths[id as usize * stride..][..stride]);
         // Paths with joins still to make stay where they are.
         let moves = state.filter(|path| path[1][3].to_bits() >> 16 == 0);
         Ok(moves.flat_map(|path| pair(path[0], path[1], f32::MAX)).collect())

@@ -12,7 +12,10 @@ mod shared;
 
 use std::{
     panic::resume_unwind,
-    sync::{Arc, atomic::AtomicU32},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU32},
+    },
     thread,
 };
 
@@ -83,6 +86,8 @@ pub struct Renderer {
     kept: Kept,
     /// Paths in flight of the next batch, by how long the last ones took.
     batch: AtomicU32,
+    /// Whether they have taken neither too short nor too long.
+    is_settled: AtomicBool,
 }
 
 impl Renderer {
@@ -96,11 +101,13 @@ impl Renderer {
         camera: &Camera,
         settings: RenderSettings,
     ) -> Result<Self, RenderError> {
-        Self::with_plan(device, scene, camera, settings, |_| {})
+        Self::with_plan(device, scene, camera, settings, &[], |_| {})
     }
 
     /// As [`Renderer::new`]; `tell` is handed the plan before the working buffers are taken (the
-    /// scene is on the device by then: the pilot that sizes them needs it).
+    /// scene is on the device by then: the pilot that sizes them needs it). The kernels of `also`, what the
+    /// scene will be rendered by next, are compiled beside those of `settings`: a driver takes no longer for
+    /// both, where it has the cores.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -109,12 +116,13 @@ impl Renderer {
         scene: &Scene,
         camera: &Camera,
         settings: RenderSettings,
+        also: &[RenderSettings],
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         settings.validate()?;
         let packing = Packing::new(scene, &settings, device.info().kind)?;
         let (features, n_light_groups) = (packing.features(), packing.n_light_groups());
-        let load = || load_kernels(&*device, features, n_light_groups, &settings);
+        let load = || load_kernels(&*device, features, n_light_groups, &settings, also);
         let n_pixels = n_pixels(&settings);
         let n_groups = if settings.light_groups { n_light_groups } else { 1 };
         let check =
@@ -129,8 +137,18 @@ impl Renderer {
         make_film(&*device, &mut shared, n_pixels, n_groups)?;
         let camera = camera.clone();
         let (light_vertices, stop) = (Vec::new(), Arc::default());
-        let kept =
-            Kept { packed, scene_plan, pipelines, shared, n_pixels, n_groups, camera, light_vertices, stop };
+        let kept = Kept {
+            packed,
+            scene_plan,
+            pipelines,
+            shared,
+            n_pixels,
+            n_groups,
+            camera,
+            light_vertices,
+            stop,
+            is_watched: false,
+        };
         Self::build(device, kept, settings, tell)
     }
 
@@ -190,6 +208,7 @@ impl Renderer {
             encoder: None,
             kept,
             batch: AtomicU32::new(first_batch),
+            is_settled: AtomicBool::new(false),
         })
     }
 
@@ -207,6 +226,11 @@ impl Renderer {
     pub fn samples_lights_by_tree(&self) -> Option<bool> {
         let nee = self.settings.integrator.uses_nee();
         nee.then(|| samples_by_tree(&self.settings, &self.kept.packed))
+    }
+
+    /// What the scene needs of kernels (`FEATURE_*`).
+    pub(crate) fn features(&self) -> u32 {
+        self.kept.packed.features
     }
 
     /// What it runs on.

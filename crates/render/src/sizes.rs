@@ -5,15 +5,26 @@ use midway_kernels::constants as k;
 
 use crate::{IntegratorSettings, Join, RenderError, RenderSettings, aov, batch::LaneSize, pool::PoolSize};
 
-/// Light vertices are given this much more room than the pilot's mean asks for.
-const VERTEX_ROOM: f64 = 1.25;
-/// And this many more, for small batches.
+/// A pool's light vertices are given this much more room than the pilot's mean asks for: a pool that does not
+/// fit is an error.
+const POOL_ROOM: f64 = 1.25;
+/// Those of a batch this much, for what the pilot's mean may be off…
+const VERTEX_ROOM: f64 = 1.05;
+/// … so many times the mean for each root of its paths, for what their sum may be off…
+const VERTEX_SPREAD: f64 = 8.0;
+/// … and this many more, for small batches. A batch that does not fit is run in halves.
 const VERTEX_ROOM_LEAST: u32 = 1024;
-/// Places of a batch for each path in flight: the more, the less the thin tail of its last bounces
-/// weighs…
-const PLACES: u32 = 8;
-/// … but where each place keeps light vertices, memory grows with them.
-const PLACES_WITH_VERTICES: u32 = 4;
+/// Places of a GPU's batch for each path in flight, at most: the more, the less the thin tail of its last
+/// bounces weighs…
+const MOST_PLACES: u32 = 64;
+/// … and at least, where places take memory…
+const LEAST_PLACES: u32 = 4;
+/// … of which there are so many bytes for each path in flight where they keep light vertices, 768 MiB in all…
+const BYTES_OF_VERTICES: f64 = 1536.0;
+/// … and so many where they take two words alone.
+const BYTES_OF_WORDS: f64 = 128.0;
+/// Of a software GPU, which has no tail to speak of.
+const PLACES_OF_SOFTWARE: u32 = 4;
 /// Batches smaller than this are not tried on a device that is too small.
 const SMALLEST_BATCH: u32 = 4096;
 
@@ -42,12 +53,17 @@ impl Sizes {
     ) -> Result<Self, RenderError> {
         let integrator = &settings.integrator;
         let keeps_vertices = integrator.joins().is_some() && !integrator.uses_pool();
-        let (mut n_paths, places_per_path) = match device.kind {
+        let mut n_paths = match device.kind {
             // A batch's end is no thinner than its middle there, and its buffers are to stay in caches.
-            DeviceKind::Cpu => (1024, 1),
-            DeviceKind::SoftwareGpu => (16_384, PLACES_WITH_VERTICES),
-            DeviceKind::Gpu if keeps_vertices => (1 << 19, PLACES_WITH_VERTICES),
-            DeviceKind::Gpu => (1 << 20, PLACES),
+            DeviceKind::Cpu => 1024,
+            DeviceKind::SoftwareGpu => 16_384,
+            DeviceKind::Gpu if keeps_vertices => 1 << 19,
+            DeviceKind::Gpu => 1 << 20,
+        };
+        let places_per_path = match device.kind {
+            DeviceKind::Cpu => 1,
+            DeviceKind::SoftwareGpu => PLACES_OF_SOFTWARE,
+            DeviceKind::Gpu => places_per_path(settings, mean_light_vertices),
         };
         loop {
             let n_places = n_paths * places_per_path;
@@ -76,12 +92,33 @@ impl Sizes {
             n_vertices: reserved_slots(settings, n_light_paths) + lane.append_capacity * n_lanes,
         });
         let mut plan = shared.clone();
-        lane.plan(&mut plan, u64::from(n_lanes), !uses_pool);
+        lane.plan(&mut plan, u64::from(n_lanes), settings.integrator.uses_light_paths() && !uses_pool);
         if let Some(pool) = pool {
             pool.plan(&mut plan);
         }
         Self { lane, pool, plan }
     }
+}
+
+/// Places of a GPU's batch for each path in flight.
+fn places_per_path(settings: &RenderSettings, mean_light_vertices: f32) -> u32 {
+    let integrator = &settings.integrator;
+    if !integrator.uses_light_paths() || integrator.uses_pool() {
+        return MOST_PLACES;
+    }
+    let bytes = if integrator.joins().is_some() { BYTES_OF_VERTICES } else { BYTES_OF_WORDS };
+    let vertices = match integrator.joins() {
+        Some(Join::Full) => f64::from(mean_light_vertices) * VERTEX_ROOM,
+        _ => f64::from(reserved_slots(settings, 1)),
+    };
+    let of_a_place = vertices * f64::from(k::VERTEX_STRIDE) * 16.0 + 8.0;
+    ((bytes / of_a_place) as u32).clamp(LEAST_PLACES, MOST_PLACES)
+}
+
+/// Room for the light vertices of so many paths of a batch.
+fn vertex_room(n_paths: u32, mean_light_vertices: f32) -> u32 {
+    let (n, mean) = (f64::from(n_paths), f64::from(mean_light_vertices));
+    (n * mean * VERTEX_ROOM + n.sqrt() * mean * VERTEX_SPREAD) as u32 + VERTEX_ROOM_LEAST
 }
 
 fn lane_size(
@@ -91,13 +128,13 @@ fn lane_size(
     n_light_paths: u32,
     n_lanes: u32,
 ) -> LaneSize {
-    let room = |paths: u32| {
-        (f64::from(paths) * (f64::from(mean_light_vertices) * VERTEX_ROOM + 1.0)) as u32 + VERTEX_ROOM_LEAST
+    let pool_room = |paths: u32| {
+        (f64::from(paths) * (f64::from(mean_light_vertices) * POOL_ROOM + 1.0)) as u32 + VERTEX_ROOM_LEAST
     };
     let integrator = &settings.integrator;
     let append_capacity = match (integrator.joins(), integrator.uses_pool()) {
-        (Some(Join::Full), false) => room(n_places),
-        (Some(Join::Full | Join::KStep), true) => room(n_light_paths.div_ceil(n_lanes)),
+        (Some(Join::Full), false) => vertex_room(n_places, mean_light_vertices),
+        (Some(Join::Full | Join::KStep), true) => pool_room(n_light_paths.div_ceil(n_lanes)),
         // Projected at once: a slot's vertex, and y_0 of the path that starts there.
         _ => 2 * n_paths,
     };
@@ -153,4 +190,35 @@ pub fn plan_shared(
     plan.fixed("image", u64::from(n_pixels) * 16);
     aov::plan(settings, n_pixels, &mut plan);
     plan
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Integrator;
+
+    fn places(integrator: IntegratorSettings, mean_light_vertices: f32) -> u32 {
+        let settings = RenderSettings { integrator, ..RenderSettings::default() };
+        places_per_path(&settings, mean_light_vertices)
+    }
+
+    #[test]
+    fn places_are_as_many_as_their_memory_allows() {
+        let path = IntegratorSettings { integrator: Integrator::Path, ..Default::default() };
+        let full = IntegratorSettings { integrator: Integrator::Bdpt, ..path };
+        let k_step = |k| IntegratorSettings { join: Join::KStep, k, ..full };
+        assert_eq!(places(path, 0.0), MOST_PLACES);
+        assert_eq!(places(full, 2.5), 8);
+        assert_eq!(places(full, 100.0), LEAST_PLACES);
+        assert!(places(k_step(1), 2.5) > places(k_step(3), 2.5));
+        assert_eq!(places(k_step(u32::MAX / 8), 2.5), LEAST_PLACES);
+    }
+
+    /// Eight standard errors of a sum whose terms spread as much as they are large.
+    #[test]
+    fn small_batches_have_more_room_for_a_path() {
+        let for_a_path = |n: u32| f64::from(vertex_room(n, 2.0) - VERTEX_ROOM_LEAST) / f64::from(n);
+        assert!((for_a_path(1024) - 2.0 * (1.05 + 0.25)).abs() < 0.01);
+        assert!((for_a_path(1 << 22) - 2.0 * 1.054).abs() < 0.01);
+    }
 }

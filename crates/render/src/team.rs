@@ -41,15 +41,16 @@ impl Team {
         scene: &Scene,
         camera: &Camera,
         settings: &RenderSettings,
+        also: &[RenderSettings],
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         let (first, rest) = devices.split_first().expect("a team has a device");
         let start = |device: &Arc<dyn Device>| {
-            Renderer::new(Arc::clone(device), scene, camera, without_layers(settings))
+            Renderer::with_plan(Arc::clone(device), scene, camera, without_layers(settings), also, |_| {})
         };
         thread::scope(|scope| {
             let others: Vec<_> = rest.iter().map(|device| scope.spawn(move || start(device))).collect();
-            let lead = Renderer::with_plan(Arc::clone(first), scene, camera, settings.clone(), tell);
+            let lead = Renderer::with_plan(Arc::clone(first), scene, camera, settings.clone(), also, tell);
             let others = others.into_iter().map(|thread| thread.join().expect("renderers do not panic"));
             let others = others.collect::<Result<Vec<_>, _>>()?;
             Ok(Self { lead: lead?, others, given: 0 })

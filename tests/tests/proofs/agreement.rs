@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use midway_device::Device;
 use midway_film::Image;
-use midway_render::Integrator;
+use midway_render::{Integrator, IntegratorSettings, JoinChoice, LightPaths};
 use midway_scene::Scene;
 use midway_tests::{
     estimate::{Agreement, Blocks, cpu, gpu},
@@ -13,7 +13,7 @@ use midway_tests::{
     lit, scenes,
 };
 
-use crate::support::{Report, estimate, in_turn};
+use crate::support::{Report, estimate, in_turn, is_nightly};
 
 /// Samples a pixel by `path`: about 1 s a case.
 const SAMPLES: u64 = 384;
@@ -51,12 +51,13 @@ fn integrators_agree_on_every_light_and_material_at_once() {
         estimate(device, &everything.scene, scenes::SIZE, case, samples)
     };
     let expected = images(&cpu(), &integrators::path(), AGAINST * SAMPLES);
-    let devices = [("CPU", Some(cpu()), SAMPLES), ("GPU", gpu(), SAMPLES / 4)];
+    // A software GPU takes long for each: one of each kind there, or all of them in the long run.
+    let on_gpu = if is_nightly() { integrators::all() } else { one_of_each_kind() };
+    let devices = [("CPU", Some(cpu()), SAMPLES, integrators::all()), ("GPU", gpu(), SAMPLES / 8, on_gpu)];
     let mut report = Report::default();
-    for (name, device, samples) in
-        devices.into_iter().filter_map(|(name, device, n)| Some((name, device?, n)))
-    {
-        for case in integrators::all() {
+    for (name, device, samples, cases) in devices {
+        let Some(device) = device else { continue };
+        for case in cases {
             let in_use = match case.settings.integrator {
                 // Points, spots and the sun cannot be hit.
                 Integrator::PathNaive => continue,
@@ -70,6 +71,14 @@ fn integrators_agree_on_every_light_and_material_at_once() {
         }
     }
     report.finish();
+}
+
+fn one_of_each_kind() -> Vec<Case> {
+    let full = integrators::full();
+    let settings = IntegratorSettings { light_paths: LightPaths::Pool(None), ..full.settings };
+    let k_step = integrators::k_step(3, JoinChoice::Importance);
+    let single_step = integrators::single_step(true, true);
+    vec![integrators::path(), integrators::light(), full, Case { settings, ..full }, k_step, single_step]
 }
 
 fn agree(scene: &Scene, reference: &Case) {

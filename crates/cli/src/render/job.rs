@@ -29,7 +29,7 @@ pub struct RenderJob {
 }
 
 impl RenderJob {
-    /// Packs the scene and takes the devices' memory.
+    /// Packs the scene and takes the devices' memory. Kernels of `also` are compiled at the same time.
     ///
     /// # Errors
     /// With the status of [`failure`].
@@ -38,9 +38,10 @@ impl RenderJob {
         scene: &Scene,
         frame: &Frame,
         settings: &RenderSettings,
+        also: &[RenderSettings],
         tell: impl FnOnce(&MemoryPlan),
     ) -> Outcome<Self> {
-        let team = Team::new(devices, scene, &frame.camera, settings, tell).map_err(failure)?;
+        let team = Team::new(devices, scene, &frame.camera, settings, also, tell).map_err(failure)?;
         Ok(Self { team, stats: RenderStats::default() })
     }
 

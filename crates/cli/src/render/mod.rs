@@ -71,8 +71,10 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
         true => reporter.note(&format!("memory:\n{plan}")),
         false => reporter.note(&format!("memory: {}", Bytes(plan.total()))),
     };
-    let mut job = RenderJob::start(&devices, &scene, &frame, &settings, tell)?;
-    if args.integrator == IntegratorArg::Auto {
+    let is_auto = args.integrator == IntegratorArg::Auto;
+    let also = if is_auto { midway_render::settings_ahead(&settings) } else { Vec::new() };
+    let mut job = RenderJob::start(&devices, &scene, &frame, &settings, &also, tell)?;
+    if is_auto {
         let choice = job.choose()?.describe();
         reporter.note(&format!("auto, error for the same work: {choice}"));
         tell(job.memory());

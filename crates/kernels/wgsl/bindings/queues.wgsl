@@ -1,5 +1,7 @@
 // The compacted list of paths under way, double-buffered, and the counters that never leave the
-// device within a pass.
+// device within a pass. Paths that go on are pushed from the front of a half, those that have just started
+// from its end: a workgroup then holds the one kind or the other, and first rays, of neighbours, stay beside
+// each other.
 
 @group(0) @binding(5) var<storage, read_write> queues: array<u32>;
 @group(0) @binding(6) var<storage, read_write> counters: array<atomic<u32>>;
@@ -17,12 +19,15 @@ const COUNT_SPLAT_FIRST: u32 = 6u;
 const COUNT_SPLAT_END: u32 = 7u;
 /// The next place of the batch that waits for a slot.
 const COUNT_NEXT: u32 = 8u;
+/// Paths pushed from the end, and how many of those that are read now are at the front.
+const COUNT_STARTED: u32 = 9u;
+const COUNT_FRONT: u32 = 10u;
 /// Rays traced in all: two words.
-const COUNT_RAYS_LOW: u32 = 9u;
-const COUNT_RAYS_HIGH: u32 = 10u;
+const COUNT_RAYS_LOW: u32 = 11u;
+const COUNT_RAYS_HIGH: u32 = 12u;
 /// Contributions that were NaN, infinite or negative, and film sums that overflowed.
-const COUNT_REJECTED: u32 = 11u;
-const COUNT_OVERFLOW: u32 = 12u;
+const COUNT_REJECTED: u32 = 13u;
+const COUNT_OVERFLOW: u32 = 14u;
 /// How many counters there are.
 const N_COUNTERS: u32 = 16u;
 
@@ -31,7 +36,9 @@ fn queue_length() -> u32 {
 }
 
 fn queued_path(place: u32) -> u32 {
-    return queues[atomicLoad(&counters[COUNT_PARITY]) * params.n_paths + place];
+    let front = atomicLoad(&counters[COUNT_FRONT]);
+    let in_half = select(params.n_paths - 1u - (place - front), place, place < front);
+    return queues[atomicLoad(&counters[COUNT_PARITY]) * params.n_paths + in_half];
 }
 
 /// A place of the batch that has no path yet, for the slot of one that ended; NONE where all have. So
@@ -42,8 +49,14 @@ fn take_place() -> u32 {
     return select(NONE, place, place < params.n_places);
 }
 
-/// Every path is pushed at most once a bounce, so each half holds n_paths.
+/// A path that goes on. Every slot is pushed at most once a bounce, so each half holds n_paths.
 fn push_path(id: u32) {
     let place = atomicAdd(&counters[COUNT_OUT], 1u);
     queues[(1u - atomicLoad(&counters[COUNT_PARITY])) * params.n_paths + place] = id;
+}
+
+/// A path that has just started.
+fn push_started(id: u32) {
+    let place = atomicAdd(&counters[COUNT_STARTED], 1u);
+    queues[(1u - atomicLoad(&counters[COUNT_PARITY])) * params.n_paths + params.n_paths - 1u - place] = id;
 }

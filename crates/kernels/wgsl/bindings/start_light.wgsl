@@ -98,7 +98,7 @@ fn next_light_path(id: u32) {
             return;
         }
         if (start_light_path(id, place)) {
-            push_path(id);
+            push_started(id);
             return;
         }
     }

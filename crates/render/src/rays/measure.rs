@@ -102,7 +102,7 @@ impl<'a> Bench<'a> {
         }
         let spatial_splits = hierarchy.report.spatial_splits;
         for &variant in variants {
-            let pipelines = Pipelines::load(self.device, k::FEATURE_WIDE, &[variant.closest, variant.any])?;
+            let pipelines = Pipelines::new(k::FEATURE_WIDE);
             self.subjects.push(Subject { variant, spatial_splits, set: set.clone(), pipelines });
         }
         Ok(())

@@ -19,6 +19,9 @@ const RUN_TARGET: Duration = Duration::from_millis(40);
 /// … and at most this long: of the many dispatches of a list of bounces none then lasts 50 ms, and a
 /// desktop's watchdog never fires.
 const RUN_LIMIT: Duration = Duration::from_millis(100);
+/// Places for each path in flight of batches that are to be over soon: before it is known how long they
+/// take, and where somebody looks on.
+const FEW_PLACES: u32 = 8;
 
 /// Places of a pass that a lane works through at a time, with this many paths in flight at most.
 #[derive(Clone, Copy, Debug)]
@@ -153,8 +156,24 @@ impl Renderer {
     /// How large a lane's next batch may be.
     fn next_batch(&self, lane: &Lane) -> Batch {
         let n_paths = self.batch.load(Ordering::Relaxed);
-        let size = lane.size();
-        Batch { first: 0, n_paths, n_places: n_paths * (size.n_places / size.n_paths) }
+        Batch { first: 0, n_paths, n_places: n_paths * self.places_per_path(lane) }
+    }
+
+    /// Places of a lane's batch for each path in flight.
+    fn places_per_path(&self, lane: &Lane) -> u32 {
+        let most = lane.size().n_places / lane.size().n_paths;
+        let is_soon_over = self.kept.is_watched || !self.is_settled.load(Ordering::Relaxed);
+        if is_soon_over { most.min(FEW_PLACES) } else { most }
+    }
+
+    /// Samples of a pass that fills the lanes: few at first, and later no more than a quarter of what is done,
+    /// so that passes end often where that matters.
+    pub(super) fn samples_to_fill(&self) -> u32 {
+        let per_sample = self.base.n_pixels;
+        let places = |of: &dyn Fn(&Lane) -> u32| self.lanes.iter().map(of).sum::<u32>() / per_sample;
+        let few = places(&|lane| lane.size().n_places.min(lane.size().n_paths * FEW_PLACES));
+        let most = if self.kept.is_watched { few } else { places(&|lane| lane.size().n_places) };
+        most.min(few.max((self.samples / 4) as u32)).max(1)
     }
 
     /// Doubles or halves a GPU's batch by how long its lists of commands took; any batch gives the
@@ -167,10 +186,14 @@ impl Renderer {
         let longest = lane.take_longest_dispatch();
         let adapted = match longest {
             _ if longest > RUN_LIMIT => (n / 2).max(1),
-            _ if longest < RUN_TARGET => (n * 2).min(lane.size().n_paths),
+            // It grows no faster than its paths.
+            _ if longest < RUN_TARGET / 8 => n * 4,
+            _ if longest < RUN_TARGET => n * 2,
             _ => n,
         };
+        let adapted = adapted.min(lane.size().n_paths);
         self.batch.store(adapted, Ordering::Relaxed);
+        self.is_settled.store(adapted == n, Ordering::Relaxed);
     }
 
     /// Runs `work` once for each lane, at once where the device can; the first error counts.

@@ -1,6 +1,9 @@
 //! The scene on its device, and what was measured there.
 
-use std::sync::{Arc, atomic::AtomicBool};
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, atomic::AtomicBool},
+};
 
 use midway_device::{Buffer, BufferUsage, Device, DeviceError, MemoryPlan};
 use midway_film::Image;
@@ -10,7 +13,7 @@ use midway_scene::Camera;
 use crate::{
     Crop, LightPaths, PackedScene, RenderError, RenderSettings,
     batch::{Lane, LaneSize, LaneUses},
-    buffers::{BufferSet, Pipelines},
+    buffers::{BufferSet, Pipelines, load_all},
     pack::Packing,
     params::{base_params, join_factor},
     pool::POOL_KERNELS,
@@ -40,6 +43,8 @@ pub(super) struct Kept {
     pub light_vertices: Vec<(Option<u32>, f32)>,
     /// Set from outside: the pass under way is not worth its end.
     pub stop: Arc<AtomicBool>,
+    /// Whether somebody may set it.
+    pub is_watched: bool,
 }
 
 impl Kept {
@@ -74,7 +79,7 @@ impl Kept {
         settings: &RenderSettings,
     ) -> Result<(), RenderError> {
         let n_light_groups = self.packed.light_groups.len() as u32;
-        self.pipelines = load_kernels(device, self.packed.features, n_light_groups, settings)?;
+        self.pipelines = load_kernels(device, self.packed.features, n_light_groups, settings, &[])?;
         Ok(())
     }
 
@@ -146,18 +151,28 @@ pub(super) fn upload_words(
     Ok(device.create_buffer_of(name, words, BufferUsage::Storage)?)
 }
 
-/// Compiles what `settings` need, all at once, for a scene that has these features and groups of lights.
+/// Compiles what `settings` need, and what renders by `also` will, all at once, for a scene that has these
+/// features and groups of lights. Those of `settings`.
 pub(super) fn load_kernels(
     device: &dyn Device,
     features: u32,
     n_light_groups: u32,
     settings: &RenderSettings,
+    also: &[RenderSettings],
 ) -> Result<Pipelines, RenderError> {
-    let pool_kernels = settings.integrator.uses_pool().then_some(POOL_KERNELS);
-    let names = LaneUses::of(settings).kernels().chain(pool_kernels.into_iter().flatten()).chain(["resolve"]);
-    let apart = settings.light_groups && n_light_groups > 1;
-    let features = features | if apart { k::FEATURE_LIGHT_GROUPS } else { 0 };
-    Ok(Pipelines::load(device, features, &names.collect::<Vec<_>>())?)
+    let pipelines = |settings: &RenderSettings| {
+        let apart = settings.light_groups && n_light_groups > 1;
+        Pipelines::new(features | if apart { k::FEATURE_LIGHT_GROUPS } else { 0 })
+    };
+    let kernels = |settings: &RenderSettings| {
+        let pool = settings.integrator.uses_pool().then_some(POOL_KERNELS).into_iter().flatten();
+        LaneUses::of(settings).kernels().chain(pool).chain(["resolve"])
+    };
+    let all = also.iter().chain([settings]);
+    let wanted: BTreeSet<_> =
+        all.flat_map(|settings| kernels(settings).map(move |name| (pipelines(settings), name))).collect();
+    load_all(device, &wanted)?;
+    Ok(pipelines(settings))
 }
 
 /// Puts a film for each of `n_groups` and an image of `n_pixels` in place of those in the set.

@@ -84,9 +84,10 @@ impl Renderer {
         if keeps_samples { Ok(()) } else { self.restart() }
     }
 
-    /// Ends a pass early, between two of its batches, when `stop` is set; it is unset then.
+    /// Ends a pass early, between two of its batches, when `stop` is set; it is unset then. Batches are small
+    /// from here on.
     pub fn stop_when(&mut self, stop: Arc<AtomicBool>) {
-        self.kept.stop = stop;
+        (self.kept.stop, self.kept.is_watched) = (stop, true);
     }
 
     /// What compiles all kernels that [`Renderer::set_settings`] may ask for with this scene, one after
@@ -101,7 +102,7 @@ impl Renderer {
         move || {
             for features in features {
                 let names = LaneUses::all_kernels().chain(POOL_KERNELS).chain(OTHER_KERNELS);
-                names.for_each(|name| drop(Pipelines::load(&*device, features, &[name])));
+                names.for_each(|name| drop(Pipelines::new(features).load(&*device, name)));
             }
         }
     }

@@ -102,7 +102,6 @@ impl Renderer {
         if self.pool.is_some() {
             return 1;
         }
-        let places = self.lanes.iter().map(|lane| lane.size().n_places).sum::<u32>();
-        (places / self.base.n_pixels).max(1)
+        self.samples_to_fill()
     }
 }
