@@ -6,17 +6,17 @@ use std::{
 };
 
 use midway_device::Device;
-use midway_film::{Display, Framing, Metadata, write_exr_with, write_png};
+use midway_film::{Display, Framing, Metadata, write_exr_with, write_png, write_srgb8_png};
 use tokio::sync::oneshot;
 
-use crate::{ViewError, engine::Engine};
+use crate::{ViewError, engine::Engine, layers, protocol::Layer};
 
 /// Of a saved picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Linear radiance and layers.
     Exr,
-    /// As it is shown.
+    /// As it is shown: the picture, or a layer.
     Png,
 }
 
@@ -96,8 +96,16 @@ pub fn bytes(
             write_exr_with(&path, &image, &channels, framing, &header)?;
         }
         Format::Png => {
-            let display = Display { exposure: engine.shown.exposure, tone_map: engine.shown.tone_map.into() };
-            write_png(&path, &engine.mixed_image()?, display, &header)?;
+            let layer = engine.shown.layer;
+            if layer == Layer::Beauty {
+                let display =
+                    Display { exposure: engine.shown.exposure, tone_map: engine.shown.tone_map.into() };
+                write_png(&path, &engine.mixed_image()?, display, &header)?;
+            } else {
+                let rgba = layers::picture(&engine.left.renderer, layer)?;
+                let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
+                write_srgb8_png(&path, image.size(), &rgb, &header)?;
+            }
         }
     }
     Ok(std::fs::read(&path)?)
