@@ -2,6 +2,7 @@
 
 import { Camera } from "./camera.js";
 import { watchDrops } from "./drop.js";
+import { watchKeys } from "./keys.js";
 import { Lights } from "./lights.js";
 import { Link } from "./link.js";
 import { element, fillMethods, indexOf, method, put, showFigures, touch } from "./panel.js";
@@ -9,7 +10,7 @@ import { plot } from "./plot.js";
 import { Stage } from "./stage.js";
 
 const NOTICE_MS = 5000;
-const state = { scene: null, status: null, input: 0, look: null, opened: null };
+const state = { scene: null, status: null, input: 0, look: null, opened: null, readOnly: false };
 const camera = new Camera();
 
 fillMethods();
@@ -28,8 +29,10 @@ const link = new Link({
     element("scene-name").textContent = "no connection, trying again …";
   },
   role({ steers, clients, read_only }) {
+    state.readOnly = read_only;
     element("take").hidden = steers || read_only;
     document.querySelectorAll("#panel fieldset, #panel .buttons button, #file").forEach((one) => { one.disabled = read_only; });
+    element("panel").tabIndex = read_only ? 0 : -1; // figures are scrolled by keys where no control is
     const others = clients > 1 ? `${clients} browsers` : "";
     element("role").textContent = read_only ? "read only" : steers ? others : `${others}, another steers`;
   },
@@ -110,13 +113,16 @@ function moved() {
   look();
 }
 
-const stage = new Stage(element("picture"), element("divider"), element("region-box"), camera, {
+const over = { canvas: element("picture"), divider: element("divider"), box: element("region-box"), cross: element("cross") };
+const stage = new Stage(over, camera, {
   moved,
+  say: notice,
   picked: (x, y) => link.send({ type: "pick", x, y }),
-  marked: (part) => {
-    const [width, height] = state.status.film;
-    const [x, y] = [Math.floor(part[0] * width), Math.floor(part[1] * height)];
-    const size = [Math.ceil(part[2] * width), Math.ceil(part[3] * height)];
+  // All pixels of which a part is marked.
+  marked: ([left, top, across, down]) => {
+    const [width, height] = state.status?.film ?? [0, 0];
+    const [x, y] = [Math.floor(left * width), Math.floor(top * height)];
+    const size = [Math.ceil((left + across) * width) - x, Math.ceil((top + down) * height) - y];
     if (size[0] < 4 || size[1] < 4) return;
     link.send({ type: "region", window: [x, y, Math.min(size[0], width - x), Math.min(size[1], height - y)] });
   },
@@ -191,11 +197,14 @@ on("save-exr", "click", () => save("exr"));
 on("save-png", "click", () => save("png"));
 on("pause", "click", togglePause);
 on("help-open", "click", () => element("help").showModal());
-on("region", "click", () => {
-  if (state.status?.region) link.send({ type: "region", window: null });
-  else { stage.mark(true); notice("drag across the part to render"); }
-});
+on("region", "click", toggleRegion);
 on("cameras", "change", () => { camera.set(state.scene.cameras[number("cameras")]); look(); });
+
+function toggleRegion() {
+  if (state.status?.region) link.send({ type: "region", window: null });
+  else if (stage.marking) stage.cancel();
+  else stage.mark();
+}
 
 function togglePause() {
   link.send({ type: "pause", paused: !state.status?.paused });
@@ -250,42 +259,23 @@ function nudge(id, step) {
   element(id).dispatchEvent(new Event("input"));
 }
 
-const KEYS = {
-  f: frameAll,
-  t: () => cycle("tone", 1),
-  p: togglePause,
-  "[": () => nudge("exposure", -0.5),
-  "]": () => nudge("exposure", 0.5),
-  "?": () => element("help").showModal(),
-};
-
-addEventListener("keydown", (event) => {
-  const inPicture = document.activeElement === element("picture");
-  const elsewhere = ["SELECT", "INPUT", "BUTTON"].includes(document.activeElement?.tagName);
-  const key = event.key.toLowerCase();
-  if ((event.ctrlKey || event.metaKey) && key === "s") {
-    event.preventDefault();
-    save("exr");
-  } else if (event.ctrlKey || event.metaKey || event.altKey || element("help").open) {
-    return;
-  } else if (inPicture && event.key === "Tab" && !event.shiftKey) {
-    event.preventDefault();
-    cycle("layer", 1);
-  } else if (inPicture && event.key === "Escape") {
-    stage.mark(false);
-    element("pause").focus();
-  } else if (inPicture && event.key === " ") {
-    event.preventDefault();
-    link.send({ type: "restart" });
-  } else if (inPicture && stage.press(event)) {
-    event.preventDefault();
-  } else if (/^[1-9]$/.test(key) && document.activeElement?.tagName !== "SELECT") {
-    element("method").value = Number(key) - 1;
+watchKeys(stage, {
+  save: () => save("exr"),
+  restart: () => link.send({ type: "restart" }),
+  layer: () => !state.readOnly && (cycle("layer", 1), true),
+  digit(n) {
+    element("method").value = n - 1;
     touch("method");
     sendMethod();
-  } else if (KEYS[event.key] ?? KEYS[key]) {
-    if (elsewhere && document.activeElement.tagName === "SELECT") return;
-    (KEYS[event.key] ?? KEYS[key])();
-  }
+  },
+  keys: {
+    f: frameAll,
+    x: () => stage.pick(),
+    c: toggleRegion,
+    t: () => cycle("tone", 1),
+    p: togglePause,
+    "[": () => nudge("exposure", -0.5),
+    "]": () => nudge("exposure", 0.5),
+    "?": () => element("help").showModal(),
+  },
 });
-addEventListener("keyup", (event) => stage.lift(event));
