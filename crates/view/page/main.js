@@ -7,6 +7,7 @@ import { Lights } from "./lights.js";
 import { Link } from "./link.js";
 import { element, fillMethods, indexOf, method, put, showFigures, touch } from "./panel.js";
 import { plot } from "./plot.js";
+import { Saved } from "./saved.js";
 import { Stage } from "./stage.js";
 
 const NOTICE_MS = 5000;
@@ -47,7 +48,7 @@ const link = new Link({
       state.opened = scene.opened;
       camera.set(scene.view);
       element("cameras").replaceChildren(...scene.cameras.map((one, i) => new Option(one.name || `camera ${i}`, i)));
-      listSaved();
+      saved.list(scene.name);
     }
     const triangles = scene.triangles === 1 ? "triangle" : "triangles";
     element("scene-name").textContent = `${scene.name} · ${scene.triangles.toLocaleString("en")} ${triangles}`;
@@ -109,7 +110,7 @@ function look() {
 // What is moved by hand is no longer one of the list, so that it can be chosen again.
 function moved() {
   element("cameras").selectedIndex = -1;
-  element("saved").value = "";
+  saved.clear();
   look();
 }
 
@@ -129,6 +130,7 @@ const stage = new Stage(over, camera, {
 });
 
 watchDrops(link, notice);
+const saved = new Saved({ view: () => camera.view(), choose: (view) => { camera.set(view); look(); }, say: notice });
 const lights = new Lights((request) => link.send(request));
 
 function showOutputs() {
@@ -224,27 +226,6 @@ async function save(format) {
     notice(String(error.message ?? error));
   }
 }
-
-// Saved cameras stay in this browser, by the scene's name.
-
-const storeName = () => `midway cameras ${state.scene?.name}`;
-const stored = () => { try { return JSON.parse(localStorage.getItem(storeName())) ?? []; } catch { return []; } };
-
-function listSaved() {
-  const views = stored();
-  const options = views.map((_, i) => new Option(`view ${i + 1}`, i));
-  element("saved").replaceChildren(new Option(views.length ? "choose" : "none", ""), ...options);
-}
-
-on("save-camera", "click", () => {
-  localStorage.setItem(storeName(), JSON.stringify([...stored(), camera.view()]));
-  listSaved();
-  notice(`saved as view ${stored().length}`);
-});
-on("saved", "change", () => {
-  const view = stored()[element("saved").value];
-  if (view) { camera.set(view); look(); }
-});
 
 // Keys.
 

@@ -42,6 +42,7 @@ const PAGE: &[(&str, &str, &str)] = &[
     ("stage.js", "text/javascript; charset=utf-8", include_str!("../page/stage.js")),
     ("panel.js", "text/javascript; charset=utf-8", include_str!("../page/panel.js")),
     ("plot.js", "text/javascript; charset=utf-8", include_str!("../page/plot.js")),
+    ("saved.js", "text/javascript; charset=utf-8", include_str!("../page/saved.js")),
     ("drop.js", "text/javascript; charset=utf-8", include_str!("../page/drop.js")),
     ("icon.svg", "image/svg+xml", include_str!("../page/icon.svg")),
 ];
