@@ -55,7 +55,9 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
         .map_err(failure)?;
     let address = Address { ip: args.bind, port: args.port };
     let server = Server::listen(address, session, false, console::note).map_err(failure)?;
-    console::output(&format!("view: {}", server.url()))?;
+    for url in server.urls() {
+        console::output(&format!("view: {url}"))?;
+    }
     if !args.no_open {
         server.open_browser();
     }

@@ -5,7 +5,7 @@ import { watchDrops } from "./drop.js";
 import { watchKeys } from "./keys.js";
 import { Lights } from "./lights.js";
 import { Link } from "./link.js";
-import { element, fillMethods, indexOf, method, put, showFigures, touch } from "./panel.js";
+import { element, fillMethods, indexOf, method, put, say, showFigures, touch } from "./panel.js";
 import { plot } from "./plot.js";
 import { Saved } from "./saved.js";
 import { Stage } from "./stage.js";
@@ -24,10 +24,17 @@ function notice(text) {
 }
 
 const link = new Link({
-  open() { document.body.classList.remove("offline"); state.opened = null; },
-  closed() {
+  open() {
+    document.body.classList.remove("offline");
+    say("offline", null);
+    state.opened = null;
+  },
+  closed({ known }) {
     document.body.classList.add("offline");
-    element("scene-name").textContent = "no connection, trying again …";
+    element("scene-name").textContent = "no connection";
+    say("black", null);
+    say("offline", known ? "No connection to Midway, trying again …"
+      : "Midway was started anew and does not know this browser any more. Open the address that it has printed.");
   },
   role({ steers, clients, read_only }) {
     state.readOnly = read_only;

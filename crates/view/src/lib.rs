@@ -14,6 +14,7 @@ mod frame;
 mod guard;
 mod layers;
 mod measured;
+mod names;
 mod nothing;
 mod opening;
 mod pick;

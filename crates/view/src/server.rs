@@ -155,14 +155,15 @@ impl Server {
         Ok(Self { listener, shared: Arc::new(shared) })
     }
 
-    /// Where a browser finds the page, with the token where there is one.
-    pub fn url(&self) -> String {
-        self.shared.guard.url()
+    /// Where browsers find the page, with the token where there is one: one place or several, the likeliest
+    /// first.
+    pub fn urls(&self) -> Vec<String> {
+        self.shared.guard.urls()
     }
 
     /// Opens the page in this machine's browser, if it has one.
     pub fn open_browser(&self) {
-        if let Err(error) = open::that_detached(self.url()) {
+        if let Some(Err(error)) = self.urls().first().map(open::that_detached) {
             (self.shared.say)(&format!("no browser could be opened: {error}"));
         }
     }
@@ -228,7 +229,7 @@ fn admit(shared: &Shared, query: &str) -> Response {
     let Ok(Some(cookie)) = shared.guard.redeem(query) else {
         return refuse(StatusCode::UNAUTHORIZED, "open the address that was printed when the server started");
     };
-    (shared.say)(&format!("for another browser: {}", shared.guard.url()));
+    (shared.say)(&format!("for another browser: {}", shared.guard.urls().join(" or ")));
     let headers = [(header::SET_COOKIE, cookie), (header::LOCATION, "/".to_owned())];
     (StatusCode::SEE_OTHER, headers).into_response()
 }
