@@ -206,3 +206,26 @@ impl Engine {
 fn inside(crop: Crop, width: u32, height: u32) -> Crop {
     Crop { width: crop.width.min(width - crop.x), height: crop.height.min(height - crop.y), ..crop }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::engine::tests::{engine_of, scene};
+
+    /// Where a pass lasts longer than a frame, the frame in which it ends is not a whole one longer.
+    #[test]
+    fn the_rest_of_a_long_pass_is_a_frame() {
+        let mut engine = engine_of(scene(), 512);
+        let mut n_left = 0;
+        while engine.left.renderer.samples() < 4 {
+            let (before, was_left) = (engine.left.renderer.samples(), engine.pass_done().is_some());
+            engine.frame().unwrap();
+            // A small picture is shown ahead of the first pass.
+            if engine.is_whole() && was_left {
+                n_left += 1;
+                let added = engine.left.renderer.samples().saturating_sub(before);
+                assert!(added <= 1, "{added} passes in one frame");
+            }
+        }
+        assert!(n_left > 0, "no pass lasted");
+    }
+}
