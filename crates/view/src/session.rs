@@ -11,6 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use glam::Vec3;
 use midway_device::Device;
 use midway_film::Image;
 use midway_import::Variants;
@@ -21,7 +22,7 @@ use tokio::sync::{broadcast, watch};
 
 use crate::{
     ViewError,
-    beside::put_away,
+    beside::{Beside, put_away},
     changing::{Changing, News},
     engine::{Engine, Half, Haste, Prepared, Seed},
     frame::{Encoding, Frame},
@@ -128,6 +129,7 @@ impl Session {
             failure: None,
             opening: Opening::default(),
             changing: Changing::default(),
+            picking: Beside::default(),
             saves: Waiting::default(),
             opened: 0,
         };
@@ -184,6 +186,7 @@ struct Worker {
     failure: Option<String>,
     opening: Opening,
     changing: Changing,
+    picking: Beside<Option<Vec3>>,
     saves: Waiting,
     /// Scenes that were opened.
     opened: u32,
@@ -197,8 +200,10 @@ impl Worker {
                 let outcome = outcome.and_then(|arrival| self.welcome(arrival));
                 self.tell_refusal(outcome);
             }
+            self.tell_picked();
             self.change();
-            let idle = self.is_idle();
+            let ends_pass = self.failure.is_none() && self.saves.wants_the_pass_to_end(&self.engine);
+            let idle = self.is_idle() && !ends_pass;
             let wait = if idle { Duration::from_millis(100) } else { Duration::ZERO };
             match inbox.recv_timeout(wait) {
                 Ok(command) => {
@@ -208,9 +213,12 @@ impl Worker {
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            if !self.is_idle()
-                && let Err(error) = self.render()
-            {
+            let rendered = match (ends_pass, idle) {
+                (true, _) => self.engine.end_pass(),
+                (false, true) => Ok(()),
+                (false, false) => self.render(),
+            };
+            if let Err(error) = rendered {
                 self.failure = Some(error.to_string());
             }
             self.save();
@@ -254,8 +262,8 @@ impl Worker {
     fn save(&mut self) {
         let variant = self.variant.and_then(|index| self.variants.names().get(index as usize));
         let names = (&*self.name, variant.map(String::as_str));
-        let saved = |engine: &Engine, format| save::bytes(engine, names, &self.device, format);
-        let outcome = self.saves.answer(&mut self.engine, saved);
+        let taken = |engine: &Engine, format| save::take(engine, names, &self.device, format);
+        let outcome = self.saves.answer(&self.engine, taken);
         self.tell_refusal(outcome);
     }
 
@@ -287,9 +295,8 @@ impl Worker {
             }
             Request::Pick { x, y } => {
                 let aspect = engine.settings.width as f32 / engine.settings.height as f32;
-                let point = pick::pick(&engine.scene, &engine.camera, aspect, [x, y]);
-                self.event(&json!({ "type": "picked", "point": point.map(|p| p.to_array()) }));
-                return Ok(());
+                let (scene, camera) = (Arc::clone(&engine.scene), engine.camera.clone());
+                return self.picking.start(move || Ok(pick::pick(&scene, &camera, aspect, [x, y])));
             }
             Request::Decoded | Request::Take | Request::Open { .. } => return Ok(()),
         }
@@ -309,8 +316,22 @@ impl Worker {
         Ok(())
     }
 
+    /// Tells what was picked: all triangles are asked, which in a large scene takes longer than a frame.
+    fn tell_picked(&mut self) {
+        match self.picking.done() {
+            Some(Ok(point)) => {
+                self.event(&json!({ "type": "picked", "point": point.map(|p| p.to_array()) }));
+            }
+            Some(Err(error)) => self.tell_refusal(Err(error)),
+            None => {}
+        }
+    }
+
     /// Shows a change of the scene that is ready, and has the next prepared.
     fn change(&mut self) {
+        if !self.picking.is_free() {
+            return; // it reads the scene
+        }
         if let Some(outcome) = self.changing.ready() {
             self.stale = true;
             let outcome = outcome.and_then(|(prepared, news)| self.take(prepared, news));

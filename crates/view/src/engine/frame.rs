@@ -143,17 +143,24 @@ impl Engine {
         self.left.renderer.pass_done().or(right)
     }
 
-    /// Brings passes that are under way to their end.
+    /// Brings the picture's pass that is under way nearer to its end, for as long as a frame lasts, and begins
+    /// none.
     ///
     /// # Errors
     /// If the device fails.
     pub fn end_pass(&mut self) -> Result<(), ViewError> {
-        for half in [Some(&mut self.left), self.right.as_mut()].into_iter().flatten() {
-            if half.renderer.pass_done().is_some() {
-                half.renderer.step(1)?;
-            }
+        if self.left.renderer.pass_done().is_some() {
+            self.haste.begin(true);
+            let rendered = self.left.render(1, REFINE, REFINE);
+            self.haste.begin(false);
+            rendered?;
         }
         Ok(())
+    }
+
+    /// Whether there is a picture of full size, and the view rests.
+    pub fn rests(&self) -> bool {
+        !self.is_moving() && self.is_whole() && self.has_picture()
     }
 
     /// Whether a pass has ended that can be shown.
