@@ -3,7 +3,7 @@
 
 import { strict as assert } from "node:assert";
 import { join } from "node:path";
-import { Server, midway, out, scenes, step } from "./support.mjs";
+import { Server, out, scenes, step } from "./support.mjs";
 
 const CPU = ["--device", "cpu"];
 const SMALL = ["--height", 96, ...CPU];

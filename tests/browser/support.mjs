@@ -14,6 +14,9 @@ export const scenes = resolve(import.meta.dirname, "../../scenes");
 export const SLOW = 60_000;
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const profile = mkdtempSync(join(tmpdir(), "midway-browser-"));
+/** Where servers keep what is uploaded: those that are killed leave it behind. */
+const uploads = mkdtempSync(join(tmpdir(), "midway-uploads-"));
+process.on("exit", () => rmSync(uploads, { recursive: true, force: true }));
 mkdirSync(out, { recursive: true });
 
 /** A server of this program. */
@@ -21,7 +24,7 @@ export class Server {
   /** Waits for the lines that say where its page is, on either stream. */
   static async start(line) {
     const server = new Server();
-    server.process = spawn(program, line.map(String), { stdio: ["ignore", "pipe", "pipe"] });
+    server.process = spawn(program, line.map(String), { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, TMPDIR: uploads } });
     const said = await new Promise((done, failed) => {
       let text = "";
       const hear = (data) => {
