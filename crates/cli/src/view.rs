@@ -20,7 +20,7 @@ use crate::{
 /// Height where neither flag nor camera says.
 const DEFAULT_HEIGHT: f32 = 512.0;
 
-/// Serves until Ctrl-C.
+/// Serves until Ctrl-C or SIGTERM.
 ///
 /// # Errors
 /// With the [`Status`] of what went wrong.
@@ -55,7 +55,9 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
         .map_err(failure)?;
     let address = Address { ip: args.bind, port: args.port };
     let server = Server::listen(address, session, false, console::note).map_err(failure)?;
-    console::output(&format!("view: {}", server.url()))?;
+    for url in server.urls() {
+        console::output(&format!("view: {url}"))?;
+    }
     if !args.no_open {
         server.open_browser();
     }

@@ -4,6 +4,7 @@
 use midway_device::{BoundKernel, Buffer, BufferUsage, Command, Device, MemoryPlan};
 use midway_film::Channel;
 use midway_kernels::{constants as k, layout::Params};
+use rayon::prelude::*;
 
 use crate::{
     RenderError, RenderSettings,
@@ -200,7 +201,7 @@ impl Aovs {
             };
             Channel {
                 name: format!("{}.{}", aov.name(), aov.components()[place]),
-                samples: (0..n_pixels as usize).map(value).collect(),
+                samples: (0..n_pixels as usize).into_par_iter().map(value).collect(),
             }
         };
         let of_layer = |&aov: &Aov| (0..aov.components().len()).map(move |place| (aov, place));

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{Mat3, Vec3};
 use midway_scene::Surround;
+use rayon::prelude::*;
 
 use crate::{
     RenderError,
@@ -50,12 +51,16 @@ impl EnvironmentMap {
             }
             Some(image) => {
                 let texel = |i| Vec3::from_slice(&image.texels.linear(i)[..3]) * environment.radiance;
-                (image.width, image.height, (0..image.texels.len()).map(|i| bounded(texel(i))).collect())
+                (
+                    image.width,
+                    image.height,
+                    (0..image.texels.len()).into_par_iter().map(|i| bounded(texel(i))).collect(),
+                )
             }
         };
         let weights = cell_weights(width, height, &texels);
         let total = weights.iter().sum();
-        let cells = if total > 0.0 { alias_table(&weights) } else { Vec::new() };
+        let cells = if total > 0.0 { alias_table(weights) } else { Vec::new() };
         let world_from_environment = environment.world_from_environment;
         Ok(Some(Self { width, height, texels, cells, total, world_from_environment }))
     }
@@ -67,18 +72,22 @@ fn bounded(radiance: Vec3) -> Vec3 {
 
 /// Each cell's solid angle times the mean luminance of its corners.
 fn cell_weights(width: u32, height: u32, texels: &[Vec3]) -> Vec<f64> {
-    let luminances: Vec<f64> = texels.iter().map(|texel| luminance(texel.as_dvec3())).collect();
     let (columns, rows) = (width as usize, height as usize);
-    let mut weights = Vec::with_capacity(columns * (rows + 1));
-    for row in 0..=rows {
+    // Rows are cheaper to weigh twice than to keep: of a large sky that would be more than its image.
+    let luminances = |row: usize| -> Vec<f64> {
+        let texels = &texels[row * columns..][..columns];
+        texels.iter().map(|texel| luminance(texel.as_dvec3())).collect()
+    };
+    let mut weights = vec![0.0; columns * (rows + 1)];
+    weights.par_chunks_mut(columns).enumerate().for_each(|(row, weights)| {
         let solid_angle = TAU / f64::from(width) * row_height(row, rows);
-        let (upper, lower) = (row.saturating_sub(1) * columns, row.min(rows - 1) * columns);
-        weights.extend((0..columns).map(|left| {
-            let right = (left + 1) % columns;
-            let corners = [upper + left, upper + right, lower + left, lower + right];
-            0.25 * solid_angle * corners.map(|i| luminances[i]).iter().sum::<f64>()
-        }));
-    }
+        let (upper, lower) = (luminances(row.saturating_sub(1)), luminances(row.min(rows - 1)));
+        for (left, weight) in weights.iter_mut().enumerate() {
+            let right = if left + 1 == columns { 0 } else { left + 1 };
+            let corners = [upper[left], upper[right], lower[left], lower[right]];
+            *weight = 0.25 * solid_angle * corners.iter().sum::<f64>();
+        }
+    });
     weights
 }
 
@@ -98,6 +107,8 @@ pub fn inverse_or_zero(total: f64) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use midway_scene::{Environment, Image, Texels};
+
     use super::*;
 
     #[test]
@@ -109,12 +120,37 @@ mod tests {
         }
     }
 
+    /// The kernels' bits do not depend on who has made the table.
+    #[test]
+    fn threads_change_nothing() {
+        let texel = |i: u32| {
+            let hash = i.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            let value = (hash >> 8) as f32 / (1 << 24) as f32;
+            [value.powi(9), value, 0.1, 1.0]
+        };
+        let (width, height) = (512, 256);
+        let texels = Texels::Float((0..width * height).map(texel).collect());
+        let environment = Environment {
+            radiance: Vec3::splat(2.0),
+            image: Some(0),
+            world_from_environment: Mat3::IDENTITY,
+        };
+        let image = Some(Image { name: String::new(), width, height, texels });
+        let surround = Surround { environment: Some(environment), image };
+        let [one, several] = [1, 4].map(|n_threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+            pool.install(|| EnvironmentMap::of(&surround).unwrap().unwrap())
+        });
+        assert_eq!(one, several);
+        assert_eq!(one.cells.len(), 512 * 257);
+    }
+
     #[test]
     fn a_cell_between_black_texels_is_never_drawn() {
         let mut texels = vec![Vec3::ZERO; 64 * 32];
         texels[10 * 64 + 5] = Vec3::splat(100.0);
         let weights = cell_weights(64, 32, &texels);
-        let table = alias_table(&weights);
+        let table = alias_table(weights.clone());
         assert_eq!(weights.iter().filter(|weight| **weight > 0.0).count(), 4);
         for (entry, weight) in table.iter().zip(&weights) {
             assert!(*weight > 0.0 || entry.threshold == 0.0);

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 use midway_scene::{LightKind, Scene, Sides, Sphere, WorldTriangle};
+use rayon::prelude::*;
 
 use crate::environment::EnvironmentMap;
 
@@ -83,7 +84,7 @@ impl Lights {
             light.power > 0.0 && light.power.is_finite() && light.measure > 0.0 && light.measure.is_finite()
         };
         let lights: Vec<Light> = area_lights.chain(deltas).chain(around).filter(counts).collect();
-        let table = alias_table(&lights.iter().map(|l| l.power).collect::<Vec<_>>());
+        let table = alias_table(lights.iter().map(|l| l.power).collect());
         Lights { lights, table }
     }
 
@@ -110,30 +111,37 @@ pub fn luminance(rgb: DVec3) -> f64 {
 
 /// Vose's construction. Weights are finite and not negative; one at least is positive, or there are
 /// none. What weighs nothing is never drawn.
-pub fn alias_table(weights: &[f64]) -> Vec<AliasEntry> {
+pub fn alias_table(weights: Vec<f64>) -> Vec<AliasEntry> {
     let total: f64 = weights.iter().sum();
     let n = weights.len();
-    let mut scaled: Vec<f64> = weights.iter().map(|w| w / total * n as f64).collect();
-    let mut table: Vec<AliasEntry> = (0u32..)
-        .zip(weights)
-        .map(|(i, w)| AliasEntry { pmf: (w / total) as f32, threshold: 1.0, alias: i })
-        .collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| scaled[i] < 1.0);
+    let heaviest = (0..n).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default();
+    let entry =
+        |(i, w): (usize, &f64)| AliasEntry { pmf: (w / total) as f32, threshold: 1.0, alias: i as u32 };
+    let mut table: Vec<AliasEntry> = weights.par_iter().enumerate().map(entry).collect();
+    // In place: of a large sky each copy is a quarter of a gigabyte.
+    let mut scaled = weights;
+    scaled.par_iter_mut().for_each(|w| *w = *w / total * n as f64);
+    let places = |is_small: bool| -> Vec<u32> {
+        let wanted = |(_, w): &(usize, &f64)| (**w < 1.0) == is_small;
+        scaled.par_iter().enumerate().filter(wanted).map(|(i, _)| i as u32).collect()
+    };
+    let (mut small, mut large) = (places(true), places(false));
     while let (Some(&s), Some(&l)) = (small.last(), large.last()) {
         small.pop();
-        table[s].threshold = scaled[s] as f32;
-        table[s].alias = l as u32;
-        scaled[l] -= 1.0 - scaled[s];
-        if scaled[l] < 1.0 {
+        let lacks = 1.0 - scaled[s as usize];
+        let entry = &mut table[s as usize];
+        (entry.threshold, entry.alias) = (scaled[s as usize] as f32, l);
+        let left = &mut scaled[l as usize];
+        *left -= lacks;
+        if *left < 1.0 {
             large.pop();
             small.push(l);
         }
     }
     // Rounding leaves some that lack a little of 1, and may leave some that weigh nothing.
-    let heaviest = (0..n).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default();
     for s in small {
-        table[s].threshold = scaled[s] as f32;
-        table[s].alias = heaviest as u32;
+        let entry = &mut table[s as usize];
+        (entry.threshold, entry.alias) = (scaled[s as usize] as f32, heaviest as u32);
     }
     table
 }
@@ -145,7 +153,7 @@ mod tests {
     #[test]
     fn the_table_draws_each_entry_by_its_weight() {
         let weights = [3.0, 1.0, 0.5, 0.0, 7.0, 1e-3, 2.0, 0.0];
-        let table = alias_table(&weights);
+        let table = alias_table(weights.to_vec());
         let total: f64 = weights.iter().sum();
         for (i, weight) in weights.iter().enumerate() {
             let mut chance = 0.0;

@@ -1,6 +1,8 @@
 // The WebSocket: requests out, frames and figures in; comes back by itself when the server does.
 
 const RETRY_MS = 1000;
+/** The status by which a server says that it does not know this browser. */
+const UNKNOWN = 401;
 
 export class Link {
   /** handlers: by a message's type; `frame` for frames, `open` and `closed` for the link itself. */
@@ -15,14 +17,28 @@ export class Link {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => this.handlers.open?.();
     socket.onclose = () => {
-      this.handlers.closed?.();
-      setTimeout(() => this.connect(), RETRY_MS);
+      this.handlers.closed?.({ known: true });
+      this.comeBackLater();
     };
     socket.onmessage = (event) => {
       if (event.data instanceof ArrayBuffer) this.receiveFrame(event.data);
       else this.receive(JSON.parse(event.data));
     };
     this.socket = socket;
+  }
+
+  comeBackLater() { setTimeout(() => this.comeBack(), RETRY_MS); }
+
+  /** A server that was started anew at an address with tokens knows nobody; a WebSocket would not say so. */
+  async comeBack() {
+    try {
+      const answer = await fetch("icon.svg", { cache: "no-store" });
+      if (answer.ok) return this.connect();
+      this.handlers.closed?.({ known: answer.status !== UNKNOWN });
+    } catch {
+      this.handlers.closed?.({ known: true }); // nobody is there
+    }
+    this.comeBackLater();
   }
 
   receive(message) {

@@ -2,14 +2,16 @@
 
 import { Camera } from "./camera.js";
 import { watchDrops } from "./drop.js";
+import { watchKeys } from "./keys.js";
 import { Lights } from "./lights.js";
 import { Link } from "./link.js";
-import { element, fillMethods, indexOf, method, put, showFigures, touch } from "./panel.js";
+import { element, fillMethods, indexOf, method, put, say, showFigures, touch } from "./panel.js";
 import { plot } from "./plot.js";
+import { Saved } from "./saved.js";
 import { Stage } from "./stage.js";
 
 const NOTICE_MS = 5000;
-const state = { scene: null, status: null, input: 0, look: null, opened: null };
+const state = { scene: null, status: null, input: 0, look: null, opened: null, readOnly: false };
 const camera = new Camera();
 
 fillMethods();
@@ -22,14 +24,23 @@ function notice(text) {
 }
 
 const link = new Link({
-  open() { document.body.classList.remove("offline"); state.opened = null; },
-  closed() {
+  open() {
+    document.body.classList.remove("offline");
+    say("offline", null);
+    state.opened = null;
+  },
+  closed({ known }) {
     document.body.classList.add("offline");
-    element("scene-name").textContent = "no connection, trying again …";
+    element("scene-name").textContent = "no connection";
+    say("black", null);
+    say("offline", known ? "No connection to Midway, trying again …"
+      : "Midway was started anew and does not know this browser any more. Open the address that it has printed.");
   },
   role({ steers, clients, read_only }) {
+    state.readOnly = read_only;
     element("take").hidden = steers || read_only;
     document.querySelectorAll("#panel fieldset, #panel .buttons button, #file").forEach((one) => { one.disabled = read_only; });
+    element("panel").tabIndex = read_only ? 0 : -1; // figures are scrolled by keys where no control is
     const others = clients > 1 ? `${clients} browsers` : "";
     element("role").textContent = read_only ? "read only" : steers ? others : `${others}, another steers`;
   },
@@ -44,7 +55,7 @@ const link = new Link({
       state.opened = scene.opened;
       camera.set(scene.view);
       element("cameras").replaceChildren(...scene.cameras.map((one, i) => new Option(one.name || `camera ${i}`, i)));
-      listSaved();
+      saved.list(scene.name);
     }
     const triangles = scene.triangles === 1 ? "triangle" : "triangles";
     element("scene-name").textContent = `${scene.name} · ${scene.triangles.toLocaleString("en")} ${triangles}`;
@@ -106,23 +117,27 @@ function look() {
 // What is moved by hand is no longer one of the list, so that it can be chosen again.
 function moved() {
   element("cameras").selectedIndex = -1;
-  element("saved").value = "";
+  saved.clear();
   look();
 }
 
-const stage = new Stage(element("picture"), element("divider"), element("region-box"), camera, {
+const over = { canvas: element("picture"), divider: element("divider"), box: element("region-box"), cross: element("cross") };
+const stage = new Stage(over, camera, {
   moved,
+  say: notice,
   picked: (x, y) => link.send({ type: "pick", x, y }),
-  marked: (part) => {
-    const [width, height] = state.status.film;
-    const [x, y] = [Math.floor(part[0] * width), Math.floor(part[1] * height)];
-    const size = [Math.ceil(part[2] * width), Math.ceil(part[3] * height)];
+  // All pixels of which a part is marked.
+  marked: ([left, top, across, down]) => {
+    const [width, height] = state.status?.film ?? [0, 0];
+    const [x, y] = [Math.floor(left * width), Math.floor(top * height)];
+    const size = [Math.ceil((left + across) * width) - x, Math.ceil((top + down) * height) - y];
     if (size[0] < 4 || size[1] < 4) return;
     link.send({ type: "region", window: [x, y, Math.min(size[0], width - x), Math.min(size[1], height - y)] });
   },
 });
 
 watchDrops(link, notice);
+const saved = new Saved({ view: () => camera.view(), choose: (view) => { camera.set(view); look(); }, say: notice });
 const lights = new Lights((request) => link.send(request));
 
 function showOutputs() {
@@ -191,11 +206,14 @@ on("save-exr", "click", () => save("exr"));
 on("save-png", "click", () => save("png"));
 on("pause", "click", togglePause);
 on("help-open", "click", () => element("help").showModal());
-on("region", "click", () => {
-  if (state.status?.region) link.send({ type: "region", window: null });
-  else { stage.mark(true); notice("drag across the part to render"); }
-});
+on("region", "click", toggleRegion);
 on("cameras", "change", () => { camera.set(state.scene.cameras[number("cameras")]); look(); });
+
+function toggleRegion() {
+  if (state.status?.region) link.send({ type: "region", window: null });
+  else if (stage.marking) stage.cancel();
+  else stage.mark();
+}
 
 function togglePause() {
   link.send({ type: "pause", paused: !state.status?.paused });
@@ -216,27 +234,6 @@ async function save(format) {
   }
 }
 
-// Saved cameras stay in this browser, by the scene's name.
-
-const storeName = () => `midway cameras ${state.scene?.name}`;
-const stored = () => { try { return JSON.parse(localStorage.getItem(storeName())) ?? []; } catch { return []; } };
-
-function listSaved() {
-  const views = stored();
-  const options = views.map((_, i) => new Option(`view ${i + 1}`, i));
-  element("saved").replaceChildren(new Option(views.length ? "choose" : "none", ""), ...options);
-}
-
-on("save-camera", "click", () => {
-  localStorage.setItem(storeName(), JSON.stringify([...stored(), camera.view()]));
-  listSaved();
-  notice(`saved as view ${stored().length}`);
-});
-on("saved", "change", () => {
-  const view = stored()[element("saved").value];
-  if (view) { camera.set(view); look(); }
-});
-
 // Keys.
 
 function cycle(id, step) {
@@ -250,42 +247,23 @@ function nudge(id, step) {
   element(id).dispatchEvent(new Event("input"));
 }
 
-const KEYS = {
-  f: frameAll,
-  t: () => cycle("tone", 1),
-  p: togglePause,
-  "[": () => nudge("exposure", -0.5),
-  "]": () => nudge("exposure", 0.5),
-  "?": () => element("help").showModal(),
-};
-
-addEventListener("keydown", (event) => {
-  const inPicture = document.activeElement === element("picture");
-  const elsewhere = ["SELECT", "INPUT", "BUTTON"].includes(document.activeElement?.tagName);
-  const key = event.key.toLowerCase();
-  if ((event.ctrlKey || event.metaKey) && key === "s") {
-    event.preventDefault();
-    save("exr");
-  } else if (event.ctrlKey || event.metaKey || event.altKey || element("help").open) {
-    return;
-  } else if (inPicture && event.key === "Tab" && !event.shiftKey) {
-    event.preventDefault();
-    cycle("layer", 1);
-  } else if (inPicture && event.key === "Escape") {
-    stage.mark(false);
-    element("pause").focus();
-  } else if (inPicture && event.key === " ") {
-    event.preventDefault();
-    link.send({ type: "restart" });
-  } else if (inPicture && stage.press(event)) {
-    event.preventDefault();
-  } else if (/^[1-9]$/.test(key) && document.activeElement?.tagName !== "SELECT") {
-    element("method").value = Number(key) - 1;
+watchKeys(stage, {
+  save: () => save("exr"),
+  restart: () => link.send({ type: "restart" }),
+  layer: () => !state.readOnly && (cycle("layer", 1), true),
+  digit(n) {
+    element("method").value = n - 1;
     touch("method");
     sendMethod();
-  } else if (KEYS[event.key] ?? KEYS[key]) {
-    if (elsewhere && document.activeElement.tagName === "SELECT") return;
-    (KEYS[event.key] ?? KEYS[key])();
-  }
+  },
+  keys: {
+    f: frameAll,
+    x: () => stage.pick(),
+    c: toggleRegion,
+    t: () => cycle("tone", 1),
+    p: togglePause,
+    "[": () => nudge("exposure", -0.5),
+    "]": () => nudge("exposure", 0.5),
+    "?": () => element("help").showModal(),
+  },
 });
-addEventListener("keyup", (event) => stage.lift(event));

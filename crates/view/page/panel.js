@@ -58,12 +58,15 @@ export function showFigures(status) {
     element("left-name").textContent = pane(left);
     element("right-name").textContent = pane(right);
   }
-  const why = status.failure ? `The renderer stopped: ${status.failure}` : status.black;
-  element("black").hidden = !why;
-  // An alert is read out each time it is written.
-  if (element("black").textContent !== (why ?? "")) element("black").textContent = why ?? "";
+  say("black", status.failure ? `The renderer stopped: ${status.failure}` : status.black);
   element("pause").setAttribute("aria-pressed", status.paused);
   element("pause").textContent = status.paused ? "Go on" : "Pause";
+}
+
+/** Shows an alert, or none. It is read out each time it is written. */
+export function say(id, text) {
+  element(id).hidden = !text;
+  if (element(id).textContent !== (text ?? "")) element(id).textContent = text ?? "";
 }
 
 /** What the server says of a control counts again this long after a hand was on it. */

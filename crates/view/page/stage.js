@@ -1,19 +1,21 @@
 // The picture on its canvas, and what the hand does to it.
 
+import { Aim, between, frame } from "./aim.js";
+
 const ORBIT = 3.2; // radians for a drag across the picture's height
 const KEY_ORBIT = 0.08;
 const KEY_FLY = 0.03; // distances to the target in a step of 30 ms
 const ZOOM = 1.0015;
 
 export class Stage {
-  /** camera: moved in place, then told by `moved()`; picked(x, y), marked([x, y, w, h]) in 0..1. */
-  constructor(canvas, divider, box, camera, { moved, picked, marked }) {
+  /** camera: moved in place, then told by `moved()`; picked(x, y), marked([x, y, w, h]) in 0..1; say(text). */
+  constructor({ canvas, divider, box, cross }, camera, { moved, picked, marked, say }) {
     Object.assign(this, { canvas, divider, box, camera, moved, picked, marked });
+    this.aim = new Aim({ cross, box, say, film: () => this.filmOnPage() });
     this.context = canvas.getContext("2d");
     this.frame = null;
     this.pointers = new Map();
     this.held = new Set();
-    this.marking = false;
     new ResizeObserver(() => this.resize()).observe(canvas);
     divider.addEventListener("input", () => this.draw());
     this.listen();
@@ -49,6 +51,7 @@ export class Stage {
     const { context, canvas } = this;
     context.clearRect(0, 0, canvas.width, canvas.height);
     if (!this.frame?.bitmaps.length) return;
+    this.aim.draw();
     const { part } = this.place();
     context.imageSmoothingQuality = "high";
     const [left, right] = this.frame.bitmaps;
@@ -66,6 +69,12 @@ export class Stage {
     context.fillRect(x - 1, 0, 2, canvas.height);
   }
 
+  /** Where the whole film lies over the canvas, in the page's pixels. */
+  filmOnPage() {
+    const ratio = this.canvas.width / this.canvas.clientWidth;
+    return this.place().whole.map((v) => v / ratio);
+  }
+
   /** A pointer's place in the film, from 0 to 1. */
   inFilm(event) {
     const ratio = this.canvas.width / this.canvas.clientWidth;
@@ -76,9 +85,30 @@ export class Stage {
     return [clamp((at[0] - whole[0]) / whole[2]), clamp((at[1] - whole[1]) / whole[3])];
   }
 
-  mark(on) {
-    this.marking = on;
-    this.canvas.classList.toggle("marking", on);
+  get marking() { return this.canvas.classList.contains("marking"); }
+
+  /** Has a part of the film marked, by pointer or keys. */
+  mark() {
+    if (!this.frame) return;
+    this.canvas.focus();
+    this.canvas.classList.add("marking");
+    this.aim.part((part) => this.endMark(part));
+  }
+
+  /** Has a place of the film picked by keys. */
+  pick() {
+    if (!this.frame) return;
+    this.cancel();
+    this.canvas.focus();
+    this.aim.place(([x, y]) => this.picked(x, y));
+  }
+
+  /** Ends marking and picking; whether there was any. */
+  cancel() {
+    const was = this.aim.active;
+    this.aim.stop();
+    this.canvas.classList.remove("marking");
+    return was;
   }
 
   listen() {
@@ -96,7 +126,7 @@ export class Stage {
       const start = pointers.get(event.pointerId);
       pointers.delete(event.pointerId);
       canvas.classList.remove("dragging");
-      if (start && this.marking && this.frame) this.endMark(start.from, event);
+      if (start && this.marking) this.endMark(between(this.inFilm(start.from), this.inFilm(event)));
     };
     canvas.addEventListener("pointerup", release);
     canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
@@ -108,7 +138,6 @@ export class Stage {
       this.camera.zoom(ZOOM ** (event.deltaY * (event.deltaMode ? 30 : 1)));
       this.moved();
     }, { passive: false });
-    canvas.addEventListener("blur", () => this.held.clear());
     setInterval(() => this.fly(), 30);
   }
 
@@ -135,21 +164,18 @@ export class Stage {
 
   drawMark(from, to) {
     const bounds = this.canvas.getBoundingClientRect();
-    const [x, y] = [Math.min(from.clientX, to.clientX) - bounds.left, Math.min(from.clientY, to.clientY) - bounds.top];
-    const size = [Math.abs(from.clientX - to.clientX), Math.abs(from.clientY - to.clientY)];
-    Object.assign(this.box.style, { left: `${x}px`, top: `${y}px`, width: `${size[0]}px`, height: `${size[1]}px` });
-    this.box.hidden = false;
+    const [a, b] = [from, to].map((event) => [event.clientX - bounds.left, event.clientY - bounds.top]);
+    frame(this.box, between(a, b));
   }
 
-  endMark(from, to) {
-    this.box.hidden = true;
-    const [a, b] = [this.inFilm(from), this.inFilm(to)];
-    this.mark(false);
-    this.marked([Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.abs(a[0] - b[0]), Math.abs(a[1] - b[1])]);
+  endMark(part) {
+    this.cancel();
+    this.marked(part);
   }
 
-  /** A key pressed in the picture; whether it meant something here. */
+  /** A key that no control needs; whether it meant something here. */
   press(event) {
+    if (this.aim.press(event)) return true;
     const key = event.key.toLowerCase();
     const arrows = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, 1], arrowdown: [0, -1] };
     if (arrows[key]) {
@@ -160,7 +186,7 @@ export class Stage {
     } else if (key === "+" || key === "=" || key === "-") {
       this.camera.zoom(key === "-" ? 1.1 : 1 / 1.1);
       this.moved();
-    } else if ("wasdqe".includes(key) && key.length === 1 && !event.ctrlKey && !event.metaKey) {
+    } else if (/^[wasdqe]$/.test(key)) {
       this.held.add(key);
     } else {
       return false;
@@ -169,6 +195,8 @@ export class Stage {
   }
 
   lift(event) { this.held.delete(event.key.toLowerCase()); }
+
+  letGo() { this.held.clear(); }
 
   fly() {
     if (!this.held.size) return;

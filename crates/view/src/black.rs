@@ -9,6 +9,8 @@ use crate::{ViewError, engine::Engine, nothing::is_nothing, pick};
 const BLACK: u8 = 2;
 /// Places of the film, along each side, that are asked whether anything is there.
 const PLACES: u32 = 7;
+/// More triangles are not asked one by one: a frame waits for the answer.
+const MANY: usize = 200_000;
 
 /// The reason, if all of the picture is black as it is shown; `image` without the mix of its lights.
 ///
@@ -57,12 +59,13 @@ fn reason_of(engine: &Engine, image: &Image, shown: &Image) -> Option<String> {
 }
 
 fn sees_nothing(engine: &Engine) -> bool {
-    if engine.scene.counts().triangles > 2_000_000 {
-        return false; // too many to ask each
-    }
+    let (scene, camera) = (&engine.scene, &engine.camera);
     let aspect = engine.settings.width as f32 / engine.settings.height as f32;
-    let place = |i: u32| (i as f32 + 0.5) / PLACES as f32;
-    let seen =
-        |i: u32| pick::pick(&engine.scene, &engine.camera, aspect, [place(i % PLACES), place(i / PLACES)]);
-    (0..PLACES * PLACES).all(|i| seen(i).is_none())
+    let middle = |i: u32| (i as f32 + 0.5) / PLACES as f32;
+    let places = || (0..PLACES * PLACES).map(|i| [middle(i % PLACES), middle(i / PLACES)]);
+    let near = |place: &[f32; 2]| pick::passes(engine.outline.bounds(), camera, aspect, *place);
+    if places().any(|place| near(&place)) && scene.counts().triangles > MANY {
+        return false; // they may be seen: too many to ask each
+    }
+    places().filter(near).all(|place| pick::pick(scene, camera, aspect, place).is_none())
 }

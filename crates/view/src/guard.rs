@@ -12,7 +12,7 @@ use std::{
 
 use axum::http::{HeaderMap, header};
 
-use crate::ViewError;
+use crate::{ViewError, names};
 
 /// Random bytes of a secret.
 const SECRET_BYTES: usize = 16;
@@ -50,11 +50,12 @@ impl Guard {
         Ok(Self { address, secrets })
     }
 
-    /// Where a browser finds the page, token included.
-    pub fn url(&self) -> String {
+    /// Where browsers find the page, token included: one place or several, the likeliest first.
+    pub fn urls(&self) -> Vec<String> {
         let token = self.secrets.as_ref().map(|secrets| lock(secrets).token.clone());
         let query = token.map_or(String::new(), |token| format!("?token={token}"));
-        format!("http://{}/{query}", self.address)
+        let hosts = names::of(self.address.ip());
+        hosts.iter().map(|host| format!("http://{host}:{}/{query}", self.address.port())).collect()
     }
 
     /// Whether a request names this server, and comes from its own page or from no page at all.
@@ -192,13 +193,13 @@ mod tests {
         assert!(admits(&guard, "gpu-server:8080", Some("http://gpu-server:8080")));
         assert!(!admits(&guard, "gpu-server:8080", Some("http://evil.example")));
         assert!(!guard.is_admitted(&headers(&[("host", "10.1.2.3:8080")])));
-        let url = guard.url();
-        let query = url.split_once('?').unwrap().1;
+        let urls = guard.urls();
+        let query = urls[0].split_once('?').unwrap().1;
         assert!(guard.redeem("token=0").unwrap().is_none() && guard.redeem("").unwrap().is_none());
         let cookie = guard.redeem(query).unwrap().expect("is good");
         assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"));
         assert!(guard.redeem(query).unwrap().is_none(), "twice");
-        assert_ne!(guard.url(), url);
+        assert_ne!(guard.urls(), urls);
         let pair = cookie.split(';').next().unwrap();
         assert!(guard.is_admitted(&headers(&[("cookie", &format!("a=b; {pair}"))])));
         assert!(!guard.is_admitted(&headers(&[("cookie", "midway-8080=0")])));

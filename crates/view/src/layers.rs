@@ -2,6 +2,7 @@
 
 use midway_film::{Image, magma};
 use midway_render::Renderer;
+use rayon::prelude::*;
 
 use crate::{ViewError, protocol::Layer};
 
@@ -12,7 +13,7 @@ const WHITE_NOISE: f32 = 0.5;
 /// Added to a pixel's square where errors are divided by it, as relMSE has it.
 const EPSILON: f32 = 0.01;
 
-/// A layer's picture in RGBA.
+/// A layer's picture in RGBA, by all cores: frames wait for it.
 ///
 /// # Errors
 /// If the device fails.
@@ -22,7 +23,7 @@ pub fn picture(renderer: &Renderer, layer: Layer) -> Result<Vec<u8>, ViewError> 
     let window = renderer.settings().window();
     let n = window.width as usize * window.height as usize;
     let three = |names: [&str; 3]| names.map(|name| plane(name).unwrap_or(&[]));
-    let colour: Box<dyn Fn(usize) -> [f32; 3]> = match layer {
+    let colour: Box<dyn Fn(usize) -> [f32; 3] + Sync> = match layer {
         Layer::Normal => {
             let xyz = three(["normal.X", "normal.Y", "normal.Z"]);
             Box::new(move |i| xyz.map(|p| p.get(i).map_or(0.0, |v| v * 0.5 + 0.5)))
@@ -46,12 +47,11 @@ pub fn picture(renderer: &Renderer, layer: Layer) -> Result<Vec<u8>, ViewError> 
         }
     };
     let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-    Ok((0..n)
-        .flat_map(|i| {
-            let [r, g, b] = colour(i).map(byte);
-            [r, g, b, 255]
-        })
-        .collect())
+    let mut rgba = vec![255; 4 * n];
+    rgba.par_chunks_exact_mut(4).enumerate().for_each(|(i, pixel)| {
+        pixel[..3].copy_from_slice(&colour(i).map(byte));
+    });
+    Ok(rgba)
 }
 
 /// Nearest and farthest of what is there.

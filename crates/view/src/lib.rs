@@ -1,9 +1,10 @@
 //! The interactive viewer: a server on this machine whose page shows the picture as it converges, in a
 //! browser on this machine or at the other end of a tunnel.
 //!
-//! Three threads and their rooms: the renderer's ([`session`], [`engine`]), which never waits for a
-//! browser, nor for what takes long ([`beside`], [`opening`], [`changing`]); the encoder's ([`frame`]), where the newest picture wins; and the server's ([`server`],
-//! [`client`]). [`protocol`] is what is said over the wire, [`guard`] who may say it.
+//! Three threads and their rooms: the renderer's ([`worker`], [`engine`]; [`session`] is its other side), which
+//! never waits for a browser, nor for what takes long ([`beside`], [`opening`], [`changing`]); the encoder's
+//! ([`frame`]), where the newest picture wins; and the server's ([`server`], [`client`]). [`protocol`] is what is
+//! said over the wire, [`guard`] who may say it.
 
 mod beside;
 mod black;
@@ -14,6 +15,7 @@ mod frame;
 mod guard;
 mod layers;
 mod measured;
+mod names;
 mod nothing;
 mod opening;
 mod pick;
@@ -24,6 +26,7 @@ mod server;
 mod session;
 mod told;
 mod uploads;
+mod worker;
 
 use std::{io, net::SocketAddr};
 

@@ -93,8 +93,7 @@ impl Measured {
     /// # Errors
     /// If the device fails.
     pub fn judge_black(&mut self, engine: &Engine) -> Result<(), ViewError> {
-        let is_there = !engine.is_moving() && engine.is_whole() && engine.left.renderer.samples() > 0;
-        self.black = if is_there { black::reason(engine, &engine.image()?)? } else { None };
+        self.black = if engine.rests() { black::reason(engine, &engine.image()?)? } else { None };
         Ok(())
     }
 }

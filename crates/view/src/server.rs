@@ -36,10 +36,13 @@ const PAGE: &[(&str, &str, &str)] = &[
     ("main.js", "text/javascript; charset=utf-8", include_str!("../page/main.js")),
     ("lights.js", "text/javascript; charset=utf-8", include_str!("../page/lights.js")),
     ("link.js", "text/javascript; charset=utf-8", include_str!("../page/link.js")),
+    ("aim.js", "text/javascript; charset=utf-8", include_str!("../page/aim.js")),
+    ("keys.js", "text/javascript; charset=utf-8", include_str!("../page/keys.js")),
     ("camera.js", "text/javascript; charset=utf-8", include_str!("../page/camera.js")),
     ("stage.js", "text/javascript; charset=utf-8", include_str!("../page/stage.js")),
     ("panel.js", "text/javascript; charset=utf-8", include_str!("../page/panel.js")),
     ("plot.js", "text/javascript; charset=utf-8", include_str!("../page/plot.js")),
+    ("saved.js", "text/javascript; charset=utf-8", include_str!("../page/saved.js")),
     ("drop.js", "text/javascript; charset=utf-8", include_str!("../page/drop.js")),
     ("icon.svg", "image/svg+xml", include_str!("../page/icon.svg")),
 ];
@@ -152,14 +155,15 @@ impl Server {
         Ok(Self { listener, shared: Arc::new(shared) })
     }
 
-    /// Where a browser finds the page, with the token where there is one.
-    pub fn url(&self) -> String {
-        self.shared.guard.url()
+    /// Where browsers find the page, with the token where there is one: one place or several, the likeliest
+    /// first.
+    pub fn urls(&self) -> Vec<String> {
+        self.shared.guard.urls()
     }
 
     /// Opens the page in this machine's browser, if it has one.
     pub fn open_browser(&self) {
-        if let Err(error) = open::that_detached(self.url()) {
+        if let Some(Err(error)) = self.urls().first().map(open::that_detached) {
             (self.shared.say)(&format!("no browser could be opened: {error}"));
         }
     }
@@ -225,7 +229,7 @@ fn admit(shared: &Shared, query: &str) -> Response {
     let Ok(Some(cookie)) = shared.guard.redeem(query) else {
         return refuse(StatusCode::UNAUTHORIZED, "open the address that was printed when the server started");
     };
-    (shared.say)(&format!("for another browser: {}", shared.guard.url()));
+    (shared.say)(&format!("for another browser: {}", shared.guard.urls().join(" or ")));
     let headers = [(header::SET_COOKIE, cookie), (header::LOCATION, "/".to_owned())];
     (StatusCode::SEE_OTHER, headers).into_response()
 }

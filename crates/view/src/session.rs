@@ -1,49 +1,32 @@
-//! The thread that renders: requests in, frames and figures out. It never waits for a browser.
+//! The other side of the render thread ([`crate::worker`]): requests go in, frames and figures come out.
 
 use std::{
     path::PathBuf,
-    sync::{
-        Arc,
-        atomic::{AtomicUsize, Ordering},
-        mpsc::{self, RecvTimeoutError},
-    },
+    sync::{Arc, atomic::AtomicUsize, mpsc},
     thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use midway_device::Device;
 use midway_film::Image;
 use midway_import::Variants;
 use midway_render::RenderSettings;
-use midway_scene::{Camera, Scene};
-use serde_json::{Value, json};
+use midway_scene::Scene;
 use tokio::sync::{broadcast, watch};
 
 use crate::{
     ViewError,
-    beside::put_away,
-    changing::{Changing, News},
-    engine::{Engine, Half, Haste, Prepared, Seed},
+    engine::Haste,
     frame::{Encoding, Frame},
-    measured::Measured,
-    opening::{Arrival, Opened, Opening, name_of},
-    pick,
-    protocol::{Method, Request, Shown},
-    save::{self, Answer, Format, Waiting},
-    told::{figures, scene_message},
+    protocol::Request,
+    save::{Answer, Format},
+    worker::{Telling, Worker},
 };
 
 /// Requests that may wait for the render thread.
-const QUEUE: usize = 256;
+pub const QUEUE: usize = 256;
 /// Events that a browser may lag behind.
 const EVENTS: usize = 64;
-/// How often figures are told.
-const STATUS_EVERY: Duration = Duration::from_millis(200);
-/// How often a resting picture is sent, at the start and later.
-const SHOW_EVERY: Duration = Duration::from_millis(150);
-const SHOW_LATE: Duration = Duration::from_millis(500);
-/// After this much rendering pictures change slowly.
-const LATE: f64 = 5.0;
 
 /// What the render thread is told.
 pub enum Command {
@@ -69,7 +52,8 @@ pub struct Session {
     pub events: broadcast::Sender<Arc<str>>,
     /// Browsers that look: nothing is rendered for nobody.
     pub watchers: Arc<AtomicUsize>,
-    haste: Haste,
+    /// By which long passes are ended.
+    pub haste: Haste,
 }
 
 /// What a session starts with.
@@ -102,36 +86,8 @@ impl Session {
         let (status, status_receiver) = watch::channel(Arc::from("{}"));
         let (scene, scene_receiver) = watch::channel(Arc::from("{}"));
         let (session, inbox) = Self::of(frames, status_receiver, scene_receiver);
-        let Start { device, scene: loaded, name, variants, variant, settings, hold, reference } = start;
-        let haste = session.haste.clone();
-        let shown = Shown::default();
-        let seed = Seed { device: Arc::clone(&device), settings, shown, hold_time: hold, haste };
-        let engine = Engine::new(loaded, seed)?;
-        let mut worker = Worker {
-            reference_camera: engine.camera.clone(),
-            engine,
-            device,
-            encoding,
-            status,
-            scene,
-            name,
-            variants,
-            variant,
-            events: session.events.clone(),
-            watchers: Arc::clone(&session.watchers),
-            reference,
-            measured: Measured::default(),
-            paused: false,
-            shown_at: Instant::now(),
-            told_at: Instant::now(),
-            stale: true,
-            failure: None,
-            opening: Opening::default(),
-            changing: Changing::default(),
-            saves: Waiting::default(),
-            opened: 0,
-        };
-        worker.tell_scene();
+        let telling = Telling { encoding, status, scene, events: session.events.clone() };
+        let worker = Worker::new(start, telling, &session)?;
         thread::Builder::new().name("render".into()).spawn(move || worker.run(&inbox))?;
         Ok(session)
     }
@@ -158,284 +114,5 @@ impl Session {
             self.haste.stop();
         }
         taken
-    }
-}
-
-struct Worker {
-    engine: Engine,
-    device: Arc<dyn Device>,
-    encoding: Encoding,
-    status: watch::Sender<Arc<str>>,
-    scene: watch::Sender<Arc<str>>,
-    name: String,
-    variants: Variants,
-    variant: Option<u32>,
-    events: broadcast::Sender<Arc<str>>,
-    watchers: Arc<AtomicUsize>,
-    reference: Option<Image>,
-    /// The view that the reference is of: the first.
-    reference_camera: Camera,
-    measured: Measured,
-    paused: bool,
-    shown_at: Instant,
-    told_at: Instant,
-    /// Whether what is shown is not what there is.
-    stale: bool,
-    failure: Option<String>,
-    opening: Opening,
-    changing: Changing,
-    saves: Waiting,
-    /// Scenes that were opened.
-    opened: u32,
-}
-
-impl Worker {
-    fn run(&mut self, inbox: &mpsc::Receiver<Command>) {
-        loop {
-            if let Some(outcome) = self.opening.arrived() {
-                self.stale = true;
-                let outcome = outcome.and_then(|arrival| self.welcome(arrival));
-                self.tell_refusal(outcome);
-            }
-            self.change();
-            let idle = self.is_idle();
-            let wait = if idle { Duration::from_millis(100) } else { Duration::ZERO };
-            match inbox.recv_timeout(wait) {
-                Ok(command) => {
-                    self.obey_all(command, inbox);
-                    continue;
-                }
-                Err(RecvTimeoutError::Disconnected) => return,
-                Err(RecvTimeoutError::Timeout) => {}
-            }
-            if !self.is_idle()
-                && let Err(error) = self.render()
-            {
-                self.failure = Some(error.to_string());
-            }
-            self.save();
-            self.tell_status();
-        }
-    }
-
-    fn is_idle(&self) -> bool {
-        let nobody = self.watchers.load(Ordering::Relaxed) == 0 && self.saves.is_empty();
-        let still = self.paused && !self.engine.is_moving();
-        nobody || self.failure.is_some() || ((still || self.engine.is_done()) && !self.stale)
-    }
-
-    /// Carries out a command and all that came with it; of views the last counts.
-    fn obey_all(&mut self, first: Command, inbox: &mpsc::Receiver<Command>) {
-        for command in std::iter::once(first).chain(inbox.try_iter().take(QUEUE)) {
-            let outcome = self.obey(command);
-            self.tell_refusal(outcome);
-        }
-    }
-
-    fn tell_refusal(&self, outcome: Result<(), ViewError>) {
-        if let Err(error) = outcome {
-            self.event(&json!({ "type": "refused", "reason": error.to_string() }));
-        }
-    }
-
-    fn obey(&mut self, command: Command) -> Result<(), ViewError> {
-        self.stale = true;
-        match command {
-            Command::Request(request) => self.obey_request(request),
-            Command::Open(path) => self.open(path),
-            Command::Save(format, answer) => {
-                self.saves.push(format, answer);
-                Ok(())
-            }
-        }
-    }
-
-    /// Answers who asked for the picture, once it is there.
-    fn save(&mut self) {
-        let variant = self.variant.and_then(|index| self.variants.names().get(index as usize));
-        let names = (&*self.name, variant.map(String::as_str));
-        let saved = |engine: &Engine, format| save::bytes(engine, names, &self.device, format);
-        let outcome = self.saves.answer(&mut self.engine, saved);
-        self.tell_refusal(outcome);
-    }
-
-    fn obey_request(&mut self, request: Request) -> Result<(), ViewError> {
-        let engine = &mut self.engine;
-        match request {
-            Request::Look(view) => engine.look(&view)?,
-            Request::Render(wish) => engine.wish(&wish)?,
-            Request::Show(shown) => {
-                engine.show(shown)?;
-                return self.measured.judge_black(&self.engine);
-            }
-            Request::Mix { factors } => {
-                engine.mix(factors)?;
-                return self.measured.judge_black(&self.engine);
-            }
-            Request::Split { right } => engine.split(right)?,
-            Request::Region { window } => engine.region(window)?,
-            Request::Restart => engine.restart()?,
-            Request::Environment(surroundings) => {
-                surroundings.check()?;
-                self.changing.surround(surroundings);
-                return Ok(());
-            }
-            Request::Variant { index } => return self.ask_for_variant(index),
-            Request::Pause { paused } => {
-                self.paused = paused;
-                return Ok(());
-            }
-            Request::Pick { x, y } => {
-                let aspect = engine.settings.width as f32 / engine.settings.height as f32;
-                let point = pick::pick(&engine.scene, &engine.camera, aspect, [x, y]);
-                self.event(&json!({ "type": "picked", "point": point.map(|p| p.to_array()) }));
-                return Ok(());
-            }
-            Request::Decoded | Request::Take | Request::Open { .. } => return Ok(()),
-        }
-        self.failure = None;
-        if self.engine.left.renderer.samples() == 0 || self.engine.is_moving() {
-            self.measured = Measured::default();
-        }
-        Ok(())
-    }
-
-    fn ask_for_variant(&mut self, index: Option<u32>) -> Result<(), ViewError> {
-        let Some(materials) = self.variants.materials(index) else {
-            self.tell_scene(); // what was refused is not to be shown as taken
-            return Err(ViewError::Refused("the scene has no such variant".into()));
-        };
-        self.changing.dress(materials, index);
-        Ok(())
-    }
-
-    /// Shows a change of the scene that is ready, and has the next prepared.
-    fn change(&mut self) {
-        if let Some(outcome) = self.changing.ready() {
-            self.stale = true;
-            let outcome = outcome.and_then(|(prepared, news)| self.take(prepared, news));
-            if outcome.is_err() {
-                self.tell_scene(); // what was refused is not to be shown as taken
-            }
-            self.tell_refusal(outcome);
-        }
-        let outcome = self.changing.go_on(|| self.engine.sketch());
-        self.tell_refusal(outcome);
-    }
-
-    fn take(&mut self, prepared: Prepared, news: News) -> Result<(), ViewError> {
-        put_away(self.engine.take(prepared)?);
-        (self.measured, self.failure) = (Measured::default(), None);
-        match news {
-            News::Surroundings => {}
-            News::Environment(warnings) => self.warn(&warnings),
-            News::Variant(index) => self.variant = index,
-        }
-        self.tell_scene(); // groups of lights may be others
-        Ok(())
-    }
-
-    /// Begins to open a scene or an environment; the picture goes on meanwhile.
-    fn open(&mut self, path: PathBuf) -> Result<(), ViewError> {
-        self.event(&json!({ "type": "notice", "text": format!("opening {}", name_of(&path)) }));
-        let engine = &self.engine;
-        let seed = Seed {
-            device: Arc::clone(&self.device),
-            settings: RenderSettings { light_groups: false, ..engine.settings.clone() },
-            shown: engine.shown,
-            hold_time: engine.hold_time(),
-            haste: engine.haste.clone(),
-        };
-        self.opening.start(path, seed)
-    }
-
-    /// Shows a scene that was opened, or has an environment prepared.
-    fn welcome(&mut self, arrival: Arrival) -> Result<(), ViewError> {
-        match arrival.opened {
-            Opened::Environment(image) => {
-                self.changing.replace(image, arrival.warnings);
-                return Ok(());
-            }
-            Opened::Scene(mut engine, variants) => {
-                engine.succeed(&self.engine)?;
-                self.opened += 1;
-                self.changing.forget();
-                put_away(std::mem::replace(&mut self.engine, *engine));
-                (self.name, self.reference) = (arrival.name, None);
-                (self.variants, self.variant) = (variants, None);
-            }
-        }
-        self.warn(&arrival.warnings);
-        (self.measured, self.failure) = (Measured::default(), None);
-        self.tell_scene();
-        Ok(())
-    }
-
-    fn warn(&self, warnings: &[String]) {
-        if !warnings.is_empty() {
-            self.event(&json!({ "type": "warnings", "lines": warnings }));
-        }
-    }
-
-    fn render(&mut self) -> Result<(), ViewError> {
-        let engine = &mut self.engine;
-        let settled = self.paused && !engine.is_moving() && engine.is_whole();
-        let still = settled || engine.is_done();
-        let pixels = if still { Some(engine.pixels(false)?) } else { engine.frame()? };
-        let pixels = match pixels {
-            // A long pass is under way: what is shown of the last one may have changed.
-            None if self.stale && engine.has_picture() => Some(engine.pixels(false)?),
-            pixels => pixels,
-        };
-        let Some(pixels) = pixels else { return Ok(()) };
-        let every = if engine.left.seconds < LATE { SHOW_EVERY } else { SHOW_LATE };
-        if pixels.moving || self.stale || self.shown_at.elapsed() >= every {
-            self.stale = pixels.moving;
-            self.shown_at = Instant::now();
-            self.encoding.show(pixels);
-        }
-        let engine = &self.engine;
-        let is_of_this =
-            self.opened == 0 && engine.camera == self.reference_camera && engine.settings.crop.is_none();
-        self.measured.measure(engine, self.reference.as_ref().filter(|_| is_of_this))
-    }
-
-    fn event(&self, event: &Value) {
-        let _ = self.events.send(event.to_string().into());
-    }
-
-    fn tell_scene(&self) {
-        let Engine { scene, outline, camera, target, surroundings, .. } = &self.engine;
-        let of = (&**scene, outline, &*self.name);
-        let variants = (self.variants.names(), self.variant);
-        let mut told = scene_message(of, (camera, *target), variants, *surroundings);
-        told["opened"] = self.opened.into();
-        self.scene.send_replace(told.to_string().into());
-    }
-
-    fn tell_status(&mut self) {
-        if self.told_at.elapsed() < STATUS_EVERY {
-            return;
-        }
-        self.told_at = Instant::now();
-        let told = self.describe().to_string();
-        self.status.send_replace(told.into());
-    }
-
-    fn describe(&self) -> Value {
-        let engine = &self.engine;
-        let half = |half: &Half| figures(&half.renderer, &half.stats, half.seconds, half.rays());
-        let info = self.device.info();
-        json!({
-            "type": "status", "left": half(&engine.left), "right": engine.right.as_ref().map(half),
-            "film": [engine.settings.width, engine.settings.height],
-            "region": engine.settings.crop.map(|c| [c.x, c.y, c.width, c.height]),
-            "method": Method::of(&engine.settings.integrator), "max_path_length": engine.settings.max_path_length,
-            "shown": engine.shown, "mix": engine.mix_shown(), "paused": self.paused, "moving": engine.is_moving(), "done": engine.is_done(),
-            "frame_ms": engine.frame_time.as_secs_f64() * 1e3, "hold_ms": engine.hold_time().as_secs_f64() * 1e3,
-            "device": info.name, "backend": info.backend,
-            "relmse": self.measured.relmse, "measured_by": if self.measured.by_reference { "reference" } else { "halves" },
-            "plot": self.measured.points, "black": self.measured.black, "failure": self.failure,
-        })
     }
 }

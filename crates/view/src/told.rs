@@ -36,6 +36,11 @@ impl Outline {
         let view = |camera: &Camera| view_of(camera, pick::middle(scene, camera));
         Self { bounds: scene.bounds(), cameras: scene.cameras.iter().map(view).collect() }
     }
+
+    /// A box around the scene.
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
 }
 
 /// What browsers are told of a scene: seen by a camera that is turned about a place; with the names of its

@@ -23,7 +23,7 @@ pub struct ViewArgs {
     /// Do not open a browser; print the address.
     #[arg(long, help_heading = "Server")]
     pub no_open: bool,
-    /// Listen at this address of the machine, not at loopback. Browsers then need a token, which is
+    /// Listen at this address of the machine (0.0.0.0: at all), not at loopback. Browsers then need a token, which is
     /// printed and good once. What is sent is not encrypted: prefer a tunnel (`ssh -L`).
     #[arg(long, value_name = "IP", help_heading = "Server")]
     pub bind: Option<IpAddr>,

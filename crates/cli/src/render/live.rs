@@ -101,7 +101,7 @@ impl Served {
         let address = Address { ip: None, port };
         let server =
             Server::listen(address, publisher.session(), true, console::note).or_status(Status::Usage)?;
-        console::note(&format!("view: {}", server.url()));
+        console::note(&format!("view: {}", server.urls().join(" or ")));
         let stop = Arc::new(AtomicBool::new(false));
         let asked = Arc::clone(&stop);
         let thread = std::thread::spawn(move || server.serve(move || asked.load(Ordering::Relaxed)));

@@ -28,9 +28,24 @@ impl Drop for Running {
     }
 }
 
+impl Running {
+    /// As `kill` ends programs by default; the exit code.
+    #[cfg(unix)]
+    fn terminate(&mut self) -> Option<i32> {
+        let pid = self.0.id().to_string();
+        assert!(std::process::Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
+        self.0.wait().unwrap().code()
+    }
+}
+
+/// The address that a line says.
+fn address_of(line: &str) -> &str {
+    line.trim().strip_prefix("view: http://").expect("an address").trim_end_matches('/')
+}
+
 /// The page of the server whose address a line says.
 fn page(line: &str) -> String {
-    let address = line.trim().strip_prefix("view: http://").expect("an address").trim_end_matches('/');
+    let address = address_of(line);
     let mut stream = TcpStream::connect(address).unwrap();
     write!(stream, "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
     let mut page = String::new();
@@ -97,4 +112,61 @@ fn the_viewer_refuses_what_it_cannot_show() {
     let port = taken.local_addr().unwrap().port().to_string();
     let run = sandbox.expect(2, &["view", "scene.obj", "--device", "cpu", "--no-open", "--port", &port]);
     assert!(run.error().contains("cannot listen"), "{}", run.stderr);
+}
+
+/// What a browser that steers brings to uploads. The connection stays open: it steers as long.
+#[cfg(unix)]
+fn steer(address: &str) -> (TcpStream, String) {
+    let mut socket = TcpStream::connect(address).unwrap();
+    let upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+                   Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==";
+    write!(socket, "GET /ws HTTP/1.1\r\nHost: {address}\r\n{upgrade}\r\n\r\n").unwrap();
+    let mut told = String::new();
+    while !told.contains("\"version\"") {
+        let mut bytes = [0; 4096];
+        let n = socket.read(&mut bytes).unwrap();
+        assert!(n > 0, "{told}");
+        told += &String::from_utf8_lossy(&bytes[..n]);
+    }
+    let key = told.split("\"key\":\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a key");
+    (socket, key.to_owned())
+}
+
+#[cfg(unix)]
+#[test]
+fn what_was_uploaded_goes_with_the_viewer() {
+    let sandbox = scene();
+    let line = ["view", "scene.obj", "--device", "cpu", "--width", "24", "--no-open", "--port", "0"];
+    std::fs::create_dir(sandbox.path("tmp")).unwrap();
+    let uploads = || std::fs::read_dir(sandbox.path("tmp")).unwrap().count();
+    let mut command = sandbox.command(&line);
+    let mut view = Running(command.env("TMPDIR", sandbox.path("tmp")).spawn().unwrap());
+    let mut told = String::new();
+    BufReader::new(view.0.stdout.take().unwrap()).read_line(&mut told).unwrap();
+    let address = address_of(&told);
+    let (_socket, key) = steer(address);
+    let mut stream = TcpStream::connect(address).unwrap();
+    let head = format!(
+        "PUT /upload/1/a.obj HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\nX-Midway-Key: {key}"
+    );
+    write!(stream, "{head}\r\nContent-Length: 2\r\n\r\nv ").unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 204"), "{answer}");
+    assert_eq!(uploads(), 1);
+    assert_eq!(view.terminate(), Some(0));
+    assert_eq!(uploads(), 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_render_that_is_terminated_writes_what_there_is() {
+    let sandbox = scene();
+    let line = [&SMALL[..], &["--time", "1m", "--serve=0"]].concat();
+    let mut render = Running(sandbox.command(&line).spawn().unwrap());
+    let told = BufReader::new(render.0.stderr.take().unwrap());
+    assert!(told.lines().map(Result::unwrap).any(|line| line.starts_with("view: ")));
+    thread::sleep(std::time::Duration::from_secs(1)); // a pass takes milliseconds
+    assert_eq!(render.terminate(), Some(10));
+    assert!(sandbox.exists("scene.exr"));
 }

@@ -1,6 +1,7 @@
 //! The environment as `bindings/environment.wgsl` reads it.
 
 use midway_kernels::constants as k;
+use rayon::prelude::*;
 
 use super::{Words, word4};
 use crate::environment::{EnvironmentMap, inverse_or_zero};
@@ -14,8 +15,8 @@ pub(super) fn pack_environment(map: &EnvironmentMap, light: Option<u32>, words: 
         word4(frame.z_axis, light.unwrap_or(k::NONE)),
         [inverse_or_zero(map.total).to_bits(), 0, 0, 0],
     ]);
-    words.extend(map.texels.iter().map(|&texel| word4(texel, 0)));
-    words.extend(map.cells.chunks(2).map(|pair| {
+    words.par_extend(map.texels.par_iter().map(|&texel| word4(texel, 0)));
+    words.par_extend(map.cells.par_chunks(2).map(|pair| {
         let entry = |i: usize| pair.get(i).map_or([0; 2], |entry| [entry.threshold.to_bits(), entry.alias]);
         let ([a, b], [c, d]) = (entry(0), entry(1));
         [a, b, c, d]

@@ -18,6 +18,7 @@ use midway_accel::Width;
 use midway_device::DeviceKind;
 use midway_kernels::constants as k;
 use midway_scene::{Camera, Opacity, Scene, Sphere, Surround};
+use rayon::prelude::*;
 
 use self::{
     geometry::pack_triangles, lighting::Lighting, shading::Shading, slots::is_absent, textures::PackedImages,
@@ -46,6 +47,11 @@ impl Words {
 
     fn extend(&mut self, words: impl IntoIterator<Item = Word4>) {
         self.words.extend(words);
+    }
+
+    /// By all cores.
+    fn par_extend(&mut self, words: impl IndexedParallelIterator<Item = Word4>) {
+        self.words.par_extend(words);
     }
 }
 

@@ -197,37 +197,14 @@ impl Engine {
 
 #[cfg(test)]
 mod tests {
-    use std::{path::Path, time::Duration};
-
-    use midway_device::CpuDevice;
-    use midway_render::{Integrator, IntegratorSettings};
+    use midway_render::IntegratorSettings;
     use midway_scene::Texels;
 
     use super::*;
     use crate::{
-        engine::{Haste, Seed},
-        protocol::{Shown, View},
+        engine::tests::{engine, scene},
+        protocol::View,
     };
-
-    fn engine(scene: Scene) -> Engine {
-        let integrator = IntegratorSettings { integrator: Integrator::Bdpt, ..IntegratorSettings::default() };
-        Engine::new(
-            scene,
-            Seed {
-                device: Arc::new(CpuDevice::new(Some(2)).unwrap()),
-                settings: RenderSettings { width: 24, height: 24, integrator, ..RenderSettings::default() },
-                shown: Shown::default(),
-                hold_time: Duration::from_millis(33),
-                haste: Haste::default(),
-            },
-        )
-        .unwrap()
-    }
-
-    fn scene() -> Scene {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell-box.gltf");
-        midway_import::load(&path).unwrap().scene
-    }
 
     fn sky() -> Image {
         let texels: Vec<[f32; 4]> = (0..32).map(|i| [0.1 * i as f32, 0.5, 0.2, 1.0]).collect();

@@ -143,17 +143,24 @@ impl Engine {
         self.left.renderer.pass_done().or(right)
     }
 
-    /// Brings passes that are under way to their end.
+    /// Brings the picture's pass that is under way nearer to its end, for as long as a frame lasts, and begins
+    /// none.
     ///
     /// # Errors
     /// If the device fails.
     pub fn end_pass(&mut self) -> Result<(), ViewError> {
-        for half in [Some(&mut self.left), self.right.as_mut()].into_iter().flatten() {
-            if half.renderer.pass_done().is_some() {
-                half.renderer.step(1)?;
-            }
+        if self.left.renderer.pass_done().is_some() {
+            self.haste.begin(true);
+            let rendered = self.left.render(1, REFINE, REFINE);
+            self.haste.begin(false);
+            rendered?;
         }
         Ok(())
+    }
+
+    /// Whether there is a picture of full size, and the view rests.
+    pub fn rests(&self) -> bool {
+        !self.is_moving() && self.is_whole() && self.has_picture()
     }
 
     /// Whether a pass has ended that can be shown.
@@ -205,4 +212,27 @@ impl Engine {
 
 fn inside(crop: Crop, width: u32, height: u32) -> Crop {
     Crop { width: crop.width.min(width - crop.x), height: crop.height.min(height - crop.y), ..crop }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::engine::tests::{engine_of, scene};
+
+    /// Where a pass lasts longer than a frame, the frame in which it ends is not a whole one longer.
+    #[test]
+    fn the_rest_of_a_long_pass_is_a_frame() {
+        let mut engine = engine_of(scene(), 512);
+        let mut n_left = 0;
+        while engine.left.renderer.samples() < 4 {
+            let (before, was_left) = (engine.left.renderer.samples(), engine.pass_done().is_some());
+            engine.frame().unwrap();
+            // A small picture is shown ahead of the first pass.
+            if engine.is_whole() && was_left {
+                n_left += 1;
+                let added = engine.left.renderer.samples().saturating_sub(before);
+                assert!(added <= 1, "{added} passes in one frame");
+            }
+        }
+        assert!(n_left > 0, "no pass lasted");
+    }
 }

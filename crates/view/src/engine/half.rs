@@ -40,7 +40,8 @@ impl Half {
     }
 
     /// Passes, until `samples` of every pixel were added or `time` is over; a first that is not over
-    /// after `patience` is left. Whether none of them was stopped.
+    /// after `patience` is left, to go on in the next call. After one that was left before, whose time is not
+    /// known, and where no whole one fits the rest, that is all. Whether none of them was stopped.
     pub(super) fn render(
         &mut self,
         samples: u64,
@@ -48,19 +49,19 @@ impl Half {
         patience: Duration,
     ) -> Result<bool, ViewError> {
         let start = Instant::now();
-        let end = self.renderer.samples() + samples;
+        let first = self.renderer.samples();
+        let was_left = self.renderer.pass_done().is_some();
         let mut goes_on = true;
         loop {
-            let done = self.renderer.samples();
-            let spent = start.elapsed();
-            if done >= end || (spent >= time && done > end - samples) {
+            let (done, spent) = (self.renderer.samples() - first, start.elapsed());
+            // As many as fit the rest of the time at the pace so far.
+            let pace = done as f64 / spent.as_secs_f64().max(1e-6);
+            let fit = (pace * time.saturating_sub(spent).as_secs_f64()) as u64;
+            if done >= samples || (done > 0 && (was_left || fit == 0)) {
                 break;
             }
-            // As many as fit the rest of the time at the pace so far.
-            let paced =
-                (done - (end - samples)) as f64 * (time.as_secs_f64() / spent.as_secs_f64().max(1e-6) - 1.0);
-            let wanted = (end - done).min((paced as u64).max(1));
-            let patience = if done == end - samples { patience.saturating_sub(spent) } else { Duration::MAX };
+            let wanted = (samples - done).min(fit.max(1));
+            let patience = if done == 0 { patience.saturating_sub(spent) } else { Duration::MAX };
             match self.renderer.step_within(wanted, patience)? {
                 None => break,
                 Some(0) => {

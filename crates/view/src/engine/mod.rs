@@ -355,3 +355,43 @@ fn hold_limits(settings: &RenderSettings, target: Duration) -> HoldLimits {
     let k = if settings.integrator.joins() == Some(Join::KStep) { settings.integrator.k } else { 1 };
     HoldLimits { target, least_k: 1, most_k: k, most_samples: MOVING_SAMPLES, least_scale: MOVING_SCALE }
 }
+
+#[cfg(test)]
+pub mod tests {
+    use std::path::Path;
+
+    use midway_device::CpuDevice;
+    use midway_render::Integrator;
+
+    use super::*;
+
+    pub fn engine(scene: Scene) -> Engine {
+        engine_of(scene, 24)
+    }
+
+    /// With a film of `side` by `side`.
+    pub fn engine_of(scene: Scene, side: u32) -> Engine {
+        let integrator = IntegratorSettings { integrator: Integrator::Bdpt, ..IntegratorSettings::default() };
+        Engine::new(
+            scene,
+            Seed {
+                device: Arc::new(CpuDevice::new(Some(2)).unwrap()),
+                settings: RenderSettings {
+                    width: side,
+                    height: side,
+                    integrator,
+                    ..RenderSettings::default()
+                },
+                shown: Shown::default(),
+                hold_time: Duration::from_millis(33),
+                haste: Haste::default(),
+            },
+        )
+        .unwrap()
+    }
+
+    pub fn scene() -> Scene {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell-box.gltf");
+        midway_import::load(&path).unwrap().scene
+    }
+}

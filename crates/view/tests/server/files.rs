@@ -63,6 +63,37 @@ async fn the_picture_goes_on_while_a_scene_is_opened() {
     assert_eq!(triangles, Some(2 * (SIDE as u64 - 1).pow(2)));
 }
 
+/// A PNG is what is on the screen: the layer that is chosen, pixel by pixel.
+#[tokio::test]
+async fn a_png_is_saved_as_it_is_shown() {
+    let server = Running::start(None, false);
+    let mut browser = server.browser().await;
+    let mut pngs = Vec::new();
+    for layer in ["normal", "depth", "beauty"] {
+        browser.ask(json!({ "type": "show", "exposure": 0, "tone_map": "linear", "layer": layer })).await;
+        let shows = |m: &Value| m["shown"]["layer"] == layer && m["left"]["samples"].as_u64() > Some(2);
+        browser.told_that(shows).await;
+        browser.ask(json!({ "type": "pause", "paused": true })).await;
+        browser.told_that(|m| m["type"] == "status" && m["paused"] == true).await;
+        let png = image::load_from_memory(&server.saved("png")).expect("a PNG").to_rgb8();
+        let exr = ExrFile::from_bytes(Path::new("saved.exr"), &server.saved("exr")).expect("an EXR");
+        if layer == "normal" {
+            let normal = ["normal.X", "normal.Y", "normal.Z"].map(|name| exr.channel(name).expect(name));
+            for (i, pixel) in png.pixels().enumerate() {
+                let expected = normal.map(|plane| ((plane[i] * 0.5 + 0.5) * 255.0).round() as u8);
+                // Either may round a half.
+                assert!(pixel.0.iter().zip(expected).all(|(byte, e)| byte.abs_diff(e) <= 1), "{pixel:?}");
+            }
+        }
+        if layer == "depth" {
+            assert!(png.pixels().all(|pixel| pixel.0 == [pixel.0[0]; 3]), "depths are grey");
+        }
+        pngs.push(png);
+        browser.ask(json!({ "type": "pause", "paused": false })).await;
+    }
+    assert!(pngs[0] != pngs[1] && pngs[1] != pngs[2] && pngs[0] != pngs[2]);
+}
+
 /// What is shown small for speed is not what is saved.
 #[tokio::test]
 async fn a_picture_is_saved_whole_while_the_view_moves() {

@@ -60,7 +60,7 @@ impl Running {
     pub fn serving(session: Session, ip: Option<IpAddr>, read_only: bool) -> Self {
         let address = Address { ip, port: 0 };
         let server = Server::listen(address, session, read_only, |_| {}).expect("listens");
-        let (url, stop) = (server.url(), Arc::new(AtomicBool::new(false)));
+        let (url, stop) = (server.urls().remove(0), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
         let thread =
             std::thread::spawn(move || server.serve(move || asked.load(Ordering::Relaxed)).expect("serves"));
@@ -69,7 +69,8 @@ impl Running {
 
     pub fn address(&self) -> SocketAddr {
         let rest = self.url.strip_prefix("http://").expect("a web address");
-        let port = rest.split('/').next().unwrap_or(rest).parse::<SocketAddr>().expect("an address").port();
+        let host = rest.split('/').next().unwrap_or(rest);
+        let port = host.rsplit(':').next().unwrap_or_default().parse().expect("a port");
         SocketAddr::new(Ipv4Addr::LOCALHOST.into(), port)
     }
 

@@ -61,6 +61,7 @@ fn no_path_leads_out() {
 #[test]
 fn elsewhere_a_token_is_needed() {
     let server = Running::start(Some(Ipv4Addr::UNSPECIFIED.into()), false);
+    assert!(!server.url.contains("0.0.0.0"), "no browser opens {}", server.url);
     assert_eq!(server.get("/", "").0, 401);
     assert_eq!(server.get("/?token=guess", "").0, 401);
     assert_eq!(server.get("/save/exr", "").0, 401);
