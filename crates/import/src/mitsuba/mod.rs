@@ -37,8 +37,7 @@ use node::Node;
 const MAX_DEPTH: usize = 32;
 
 /// Reads a scene.
-pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
-    let folder = SceneFolder::of(path)?;
+pub(crate) fn load(path: &Path, folder: SceneFolder, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     let bytes = files::read_scene(path, true)?;
     let document = Document::read(&bytes, &Place::new(path, ""), &folder, warnings)?;
     let mut loader = Loader {
