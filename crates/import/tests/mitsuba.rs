@@ -185,6 +185,44 @@ fn textures_keep_their_place() {
     assert!(matches!(import.scene.images[texture.image as usize].texels, Texels::Linear8(_)));
 }
 
+/// A factor above 1 is for dark images: it counts where the product is below 1, and what is cut is said.
+#[test]
+fn textures_keep_factors_above_1() {
+    let folder = Folder::new();
+    folder.write("dark.bmp", bmp([[20; 3], [60; 3], [30; 3], [40; 3]]));
+    folder.write("light.bmp", bmp([[20; 3], [250; 3], [30; 3], [40; 3]]));
+    let read = |file: &str| {
+        let scaled = |name: &str| {
+            format!(
+                "<texture name='{name}' type='scale'><float name='scale' value='4'/>\
+                 <texture type='bitmap'><string name='filename' value='{file}'/></texture></texture>"
+            )
+        };
+        let (reflectance, opacity) = (scaled("reflectance"), scaled("opacity"));
+        let text = format!(
+            "<scene version='3.0.0'><sensor type='perspective'/>{LAMP}<shape type='rectangle'>\
+             <bsdf type='mask'>{opacity}<bsdf type='diffuse'>{reflectance}</bsdf></bsdf></shape></scene>"
+        );
+        let import = load(&folder.write("scene.xml", text)).unwrap();
+        let material = &import.scene.materials[1];
+        let Surface::Diffuse { reflectance } = &material.surface else { panic!() };
+        let opacity = match &material.opacity {
+            Opacity::Blend(input) => input.value,
+            _ => 1.0,
+        };
+        (reflectance.value, opacity, import.warnings)
+    };
+    let (reflectance, opacity, warnings) = read("dark.bmp");
+    assert_eq!((reflectance, opacity), (Vec3::splat(4.0), 4.0));
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let (reflectance, _, warnings) = read("light.bmp");
+    assert_eq!(reflectance, Vec3::splat(4.0));
+    assert!(warnings.iter().all(|w| w.message.contains("cut to 1")) && !warnings.is_empty(), "{warnings:?}");
+    // Without an image there is nothing that the factor could be for.
+    let (reflectance, opacity, _) = read("none.bmp");
+    assert_eq!((reflectance, opacity), (Vec3::ONE, 1.0));
+}
+
 #[test]
 fn checkerboards_are_four_texels() {
     let board = "<bsdf type='diffuse'><texture name='reflectance' type='checkerboard'>\

@@ -520,6 +520,51 @@ fn textures() {
     assert_eq!(kinds(&load_with("")), [WarningKind::Texture]);
 }
 
+/// A factor above 1 is for dark images: it counts where the product is below 1, and what is cut is said.
+#[test]
+fn textures_keep_factors_above_1() {
+    let folder = Folder::new();
+    folder.write("dark.png", png(2, 1, &[[20; 3], [60; 3]]));
+    folder.write("light.png", png(2, 1, &[[20; 3], [250; 3]]));
+    let read = |texture: &str| {
+        let material = "Material \"diffuse\" \"texture reflectance\" \"t\"";
+        let image =
+            "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"dark.png\" \"float scale\" .5";
+        let text = format!("{HANDED}WorldBegin\n{image}\n{texture}\n{material}\n{TRIANGLE}");
+        let import = load(&folder.write("scene.pbrt", text)).unwrap();
+        let Surface::Diffuse { reflectance } = used(&import.scene).surface else { panic!() };
+        (reflectance.value.x, reflectance.texture.is_some(), kinds(&import))
+    };
+    let image = |file: &str, scale: f32| {
+        format!(
+            "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"{file}\" \"float scale\" {scale}"
+        )
+    };
+    let constant = |value: f32| {
+        format!("Texture \"c\" \"spectrum\" \"constant\" \"rgb value\" [{value} {value} {value}]")
+    };
+    let product = |tex: &str, scale: f32| {
+        format!("Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"{tex}\" \"float scale\" {scale}")
+    };
+    for (texture, value, is_image, warnings) in [
+        (image("dark.png", 4.0), 4.0, true, vec![]),
+        (image("light.png", 4.0), 4.0, true, vec![WarningKind::Repaired]),
+        (product("i", 6.0), 3.0, true, vec![]),
+        (format!("{}\n{}", constant(4.0), product("c", 0.125)), 0.5, false, vec![]),
+        (format!("{}\n{}", constant(0.25), product("c", 2.0)), 0.5, false, vec![]),
+        (format!("{}\n{}", constant(0.75), product("c", 2.0)), 1.0, false, vec![WarningKind::Repaired]),
+    ] {
+        assert_eq!(read(&texture), (value, is_image, warnings), "{texture}");
+    }
+    let import = world("Material \"diffuse\" \"rgb reflectance\" [1.5 .5 .5]");
+    assert_eq!(used(&import.scene).surface, Surface::diffuse(vec3(1.0, 0.5, 0.5)));
+    assert_eq!(kinds(&import), [WarningKind::Repaired]);
+    let alpha = "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"dark.png\" \"float scale\" 4";
+    let text = format!("{HANDED}WorldBegin\n{alpha}\n{TRIANGLE} \"texture alpha\" \"a\"");
+    let import = load(&folder.write("scene.pbrt", text)).unwrap();
+    assert!(matches!(used(&import.scene).opacity, Opacity::Blend(input) if input.value == 4.0));
+}
+
 #[test]
 fn alpha_by_number_and_texture() {
     let folder = Folder::new();

@@ -28,6 +28,11 @@ const FREE_TEXELS: u64 = 1 << 26;
 /// Texels for each byte of the files beyond that: what flat colour compresses to, and no more.
 const TEXELS_PER_BYTE: u64 = 512;
 
+/// What is said where a colour or a number in [0, 1] is greater.
+pub(crate) const CUT_TO_ONE: &str = "reflectances and shares above 1 are cut to 1";
+/// What is less above 1 is rounding.
+pub(crate) const LEAST_CUT: f32 = 1.001;
+
 /// What the whole numbers of an image stand for. Files of floats are linear whatever is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
@@ -47,6 +52,15 @@ pub(crate) struct Images {
     requests: Vec<Request>,
     known_requests: HashMap<(usize, Encoding), u32>,
     held_bytes: u64,
+    scaled: Vec<Scaled>,
+}
+
+/// An image that is multiplied by more than 1 where the product is to be at most 1.
+struct Scaled {
+    image: u32,
+    /// Of each channel; 0 for those that are not used.
+    by: [f32; 4],
+    place: String,
 }
 
 enum Source {
@@ -124,6 +138,16 @@ impl Images {
         self.request(self.sources.len() - 1, Encoding::Linear, name, &Place::default())
     }
 
+    /// Notes that an image is multiplied where the product is to be at most 1: there it is cut off as it is
+    /// used, and if any texel is, a warning says so.
+    pub fn scaled(&mut self, image: u32, by: [f32; 4], place: &Place) {
+        let source = &self.sources[self.requests[image as usize].source];
+        let is_made = matches!(source, Source::Ready(Image { texels: Texels::Float(_), .. }));
+        if is_made || by.iter().any(|factor| *factor > 1.0) {
+            self.scaled.push(Scaled { image, by, place: place.short() });
+        }
+    }
+
     fn source(&mut self, key: Key, make: impl FnOnce() -> Source) -> usize {
         let next = self.sources.len();
         let index = *self.known_sources.entry(key).or_insert(next);
@@ -171,7 +195,14 @@ impl Images {
                 placeholder(request)
             }
         };
-        self.requests.iter().map(image).collect()
+        let images: Vec<Image> = self.requests.iter().map(image).collect();
+        for Scaled { image, by, place } in self.scaled {
+            let is_there = decoded[self.requests[image as usize].source].is_ok();
+            if is_there && exceeds_one(&images[image as usize], by) {
+                warnings.add(WarningKind::Repaired, place, CUT_TO_ONE);
+            }
+        }
+        images
     }
 
     /// Whether each source may be decoded, by the size in its header.
@@ -270,6 +301,12 @@ impl Bytes {
 
 fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_string_lossy().to_ascii_lowercase())
+}
+
+/// Whether any texel does, each channel multiplied.
+fn exceeds_one(image: &Image, by: [f32; 4]) -> bool {
+    let exceeds = |texel: [f32; 4]| texel.iter().zip(by).any(|(x, by)| x * by > LEAST_CUT);
+    (0..image.texels.len()).into_par_iter().any(|index| exceeds(image.texels.linear(index)))
 }
 
 /// A texel that leaves a factor, or a normal, as it is.

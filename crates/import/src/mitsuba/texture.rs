@@ -4,7 +4,11 @@ use glam::{Mat3, Mat4, Vec2, Vec3};
 use midway_scene::{Channel, ColorInput, Filter, Image, ScalarInput, Texels, Texture, Wrap};
 
 use super::{Loader, MAX_DEPTH, document::Class, node::Node, transform, value::Quantity};
-use crate::{ImportError, images::Encoding, warning::WarningKind};
+use crate::{
+    ImportError,
+    images::{CUT_TO_ONE, Encoding, LEAST_CUT},
+    warning::WarningKind,
+};
 
 /// A texture, and what multiplies it.
 struct Scaled {
@@ -29,12 +33,25 @@ impl Loader<'_> {
             }
             _ => node.color(name, quantity)?.unwrap_or(Vec3::splat(default)).into(),
         };
-        if quantity == Quantity::Share && input.value.max_element() > 1.0 {
-            let message = "reflectances above 1 are cut to 1";
-            self.warn(WarningKind::Repaired, node, message);
-            return Ok(ColorInput { value: input.value.min(Vec3::ONE), ..input });
+        if quantity != Quantity::Share {
+            return Ok(input);
         }
-        Ok(input)
+        let value = match &input.texture {
+            Some(texture) => {
+                self.images.scaled(texture.image, input.value.extend(0.0).to_array(), node.place());
+                input.value
+            }
+            None => self.cut(node, input.value),
+        };
+        Ok(ColorInput { value, ..input })
+    }
+
+    /// A share that no texture multiplies.
+    fn cut(&mut self, node: Node, value: Vec3) -> Vec3 {
+        if value.max_element() > LEAST_CUT {
+            self.warn(WarningKind::Repaired, node, CUT_TO_ONE);
+        }
+        value.min(Vec3::ONE)
     }
 
     /// A number in [0, 1] by name: a value, or a channel of a texture.
@@ -58,10 +75,16 @@ impl Loader<'_> {
                 value.into()
             }
         };
-        if input.value > 1.0 {
-            self.warn(WarningKind::Repaired, node, &format!("\"{name}\" above 1 is cut to 1"));
-        }
-        Ok(ScalarInput { value: input.value.min(1.0), ..input })
+        let value = match &input.texture {
+            Some((texture, channel)) => {
+                let mut by = [0.0; 4];
+                by[*channel as usize] = input.value;
+                self.images.scaled(texture.image, by, node.place());
+                input.value
+            }
+            None => self.cut(node, Vec3::splat(input.value)).x,
+        };
+        Ok(ScalarInput { value, ..input })
     }
 
     /// A texture object.

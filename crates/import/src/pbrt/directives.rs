@@ -438,7 +438,9 @@ impl<'w> Interpreter<'w> {
             return Ok(None);
         };
         let input = scalar.input;
-        let value = input.value.clamp(0.0, 1.0);
+        // Of a texture the product is cut off at 1.
+        let most = if input.texture.is_some() { f32::MAX } else { 1.0 };
+        let value = input.value.clamp(0.0, most);
         Ok((value != 1.0 || input.texture.is_some()).then_some(ScalarInput { value, ..input }))
     }
 

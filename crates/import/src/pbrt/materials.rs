@@ -255,7 +255,7 @@ impl Definition<'_> {
             self.approximated("mixtures of materials by an image are rendered as half and half");
             0.5
         } else {
-            self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?.y
+            self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?.y.clamp(0.0, 1.0)
         };
         let of_second = if of_first { 1.0 - amount } else { amount };
         if let (Some(a), Some(b)) = (plain_diffuse(&a), plain_diffuse(&b)) {

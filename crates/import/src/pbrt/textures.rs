@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     ImportError,
-    images::{self, Encoding, Images},
+    images::{self, CUT_TO_ONE, Encoding, Images, LEAST_CUT},
     warning::{WarningKind, Warnings},
 };
 
@@ -69,9 +69,29 @@ impl Textures {
         Ok(())
     }
 
-    /// A parameter that is a spectrum or names a texture; its value is in [0, 1].
+    /// A parameter that is a spectrum or names a texture, within 0 and 1.
     pub fn albedo(
         &mut self,
+        params: &Params,
+        name: &str,
+        default: f32,
+        reader: &Reader,
+        warnings: &mut Warnings,
+    ) -> Result<ColorInput, ImportError> {
+        let input = self.factor(params, name, default, reader, warnings)?;
+        if let Some(texture) = &input.texture {
+            self.images.scaled(texture.image, input.value.extend(0.0).to_array(), &params.place);
+            return Ok(input);
+        }
+        if input.value.max_element() > LEAST_CUT {
+            warnings.add(WarningKind::Repaired, params.place.short(), CUT_TO_ONE);
+        }
+        Ok(input.value.min(Vec3::ONE).into())
+    }
+
+    /// The same, which may be greater than 1 before it is multiplied.
+    fn factor(
+        &self,
         params: &Params,
         name: &str,
         default: f32,
@@ -166,7 +186,7 @@ impl Definition<'_> {
     }
 
     fn input(&mut self, name: &str, default: f32) -> Result<ColorInput, ImportError> {
-        self.textures.albedo(self.params, name, default, self.reader, self.warnings)
+        self.textures.factor(self.params, name, default, self.reader, self.warnings)
     }
 
     fn number(&mut self, name: &str, default: f32) -> Result<Scalar, ImportError> {
@@ -311,14 +331,7 @@ impl Definition<'_> {
             }
             (a, b) => a.or(b),
         };
-        ColorInput { value: self.in_range(value), texture }
-    }
-
-    fn in_range(&mut self, value: Vec3) -> Vec3 {
-        if value.max_element() > 1.0 {
-            self.approximated("textures scaled beyond 1 are cut off at 1");
-        }
-        value.clamp(Vec3::ZERO, Vec3::ONE)
+        ColorInput { value: value.max(Vec3::ZERO), texture }
     }
 
     fn flat(&mut self, input: ColorInput) -> Vec3 {
@@ -405,7 +418,7 @@ impl Definition<'_> {
         let invert = self.params.bool_or("invert", false)?;
         let place = &self.params.place;
         let file = self.file()?.to_owned();
-        if !invert && (0.0..=1.0).contains(&scale) {
+        if !invert && scale >= 0.0 {
             let image =
                 self.textures.images.file(self.reader.folder, &file, encoding, place, self.warnings)?;
             let texture = image.map(|image| Texture { image, ..layout });
@@ -434,6 +447,8 @@ impl Definition<'_> {
             return Ok(1.0.into());
         };
         let has_alpha = (0..image.texels.len()).any(|i| image.texels.linear(i)[3] < 1.0);
+        let is_factor = !invert && scale >= 0.0;
+        let (value, scale) = if is_factor { (scale, 1.0) } else { (1.0, scale) };
         let baked = transformed(&image, |[r, g, b, a]| {
             let x = scale * if has_alpha { a } else { (r + g + b) / 3.0 };
             let x = if invert { 1.0 - x } else { x }.max(0.0);
@@ -441,10 +456,7 @@ impl Definition<'_> {
         });
         let index = self.textures.images.ready(baked.clone());
         let texture = Texture { image: index, ..layout };
-        Ok(Scalar {
-            input: ScalarInput { value: 1.0, texture: Some((texture, Channel::R)) },
-            image: Some(baked),
-        })
+        Ok(Scalar { input: ScalarInput { value, texture: Some((texture, Channel::R)) }, image: Some(baked) })
     }
 
     /// None, and a warning, where there is no such image or it is damaged.
