@@ -259,6 +259,14 @@ fn emitters_become_lights() {
 /// Mitsuba 3.9.1 finds the left edge of the image in the direction -z and a quarter of it at +x; here
 /// that is half of the image.
 #[test]
+fn an_environment_without_its_image_is_named() {
+    let sky = "<emitter type='envmap'><string name='filename' value='sky.exr'/></emitter>";
+    let import = scene(sky).unwrap();
+    assert!(import.scene.environment.is_none());
+    assert!(says(&import, "the environment's image \"sky.exr\" does not exist"), "{:?}", import.warnings);
+}
+
+#[test]
 fn environments_are_turned_as_in_mitsuba() {
     let folder = Folder::new();
     folder.write("a.bmp", bmp([[255, 0, 0], [0, 255, 0], [255, 0, 0], [0, 255, 0]]));
@@ -406,7 +414,12 @@ fn files_of_release_0_6_are_read() {
 
 /// A `.serialized` file of version 4 of one mesh with these numbers of vertices and triangles announced.
 fn serialized(n_vertices: u64, n_triangles: u64, last: f32, indices: [u32; 3]) -> Vec<u8> {
-    let mut body = 0x1000u32.to_le_bytes().to_vec();
+    serialized_as(0x1000, n_vertices, n_triangles, last, indices)
+}
+
+/// The same with these flags.
+fn serialized_as(flags: u32, n_vertices: u64, n_triangles: u64, last: f32, indices: [u32; 3]) -> Vec<u8> {
+    let mut body = flags.to_le_bytes().to_vec();
     body.extend(b"name\0");
     body.extend(n_vertices.to_le_bytes());
     body.extend(n_triangles.to_le_bytes());
@@ -436,6 +449,10 @@ fn serialized_meshes_are_read_and_bounded() {
     let good = serialized(3, 1, 0.0, [0, 1, 2]);
     let import = load_serialized(&good).unwrap();
     assert_eq!(import.scene.meshes[1].positions[1..], [Vec3::X, Vec3::Y]);
+    assert_eq!(import.scene.meshes[1].normals.len(), 3);
+    // Face normals: none at vertices.
+    let flat = load_serialized(&serialized_as(0x1010, 3, 1, 0.0, [0, 1, 2])).unwrap();
+    assert_eq!(flat.scene.meshes[1].normals, []);
     let start = Instant::now();
     for (n_vertices, n_triangles) in
         [(u64::MAX, 1), (u64::from(u32::MAX), 1), (3, u64::MAX), (3, 1 << 26), (4, 1)]
@@ -595,6 +612,34 @@ fn damage_anywhere_is_survived() {
 }
 
 #[test]
+fn spectra_may_stand_where_textures_do() {
+    let radiance = |texture: &str| {
+        let texture = texture.replacen("<texture ", "<texture name='radiance' ", 1);
+        let text = format!("<shape type='rectangle'><emitter type='area'>{texture}</emitter></shape>");
+        let import = scene(&format!("<sensor type='perspective'/>{text}")).unwrap();
+        let rgb = import.scene.materials[1].emission.value;
+        (rgb, import.warnings.iter().map(|w| w.kind).collect::<Vec<_>>())
+    };
+    let scale = "<float name='scale' value='2'/>";
+    let rgb = "<rgb name='color' value='1 2 3'/>";
+    for (texture, expected) in [
+        (format!("<texture type='d65'>{scale}</texture>"), Vec3::splat(2.0)),
+        (format!("<texture type='d65'>{rgb}</texture>"), vec3(1.0, 2.0, 3.0)),
+        (format!("<texture type='d65'>{scale}{rgb}</texture>"), vec3(2.0, 4.0, 6.0)),
+        (
+            format!("<texture type='d65'>{scale}<texture type='srgb'>{rgb}</texture></texture>"),
+            vec3(2.0, 4.0, 6.0),
+        ),
+        ("<texture type='uniform'><float name='value' value='3'/></texture>".into(), Vec3::splat(3.0)),
+        ("<texture type='uniform'/>".into(), Vec3::ONE),
+    ] {
+        assert_eq!(radiance(&texture), (expected, vec![]), "{texture}");
+    }
+    let warm = radiance("<texture type='blackbody'><float name='temperature' value='3000'/></texture>");
+    assert!(warm.0.x > warm.0.y && warm.0.y > warm.0.z && warm.1 == [WarningKind::Approximation], "{warm:?}");
+}
+
+#[test]
 fn spectra_may_be_plugins() {
     let reflectance = |spectrum: &str| {
         let (head, body) = spectrum.split_once('|').unwrap();
@@ -615,6 +660,8 @@ fn spectra_may_be_plugins() {
             .map(|(end, at)| format!("<float name='{bound}_{end}' value='{at}'/>"));
         assert!(reflectance(&format!("regular|{min}{max}{values}")).abs_diff_eq(Vec3::splat(0.2), 1e-5));
     }
+    let coloured = "uniform|<rgb name='value' value='0.25 0.5 0.75'/>";
+    assert_eq!(reflectance(coloured), vec3(0.25, 0.5, 0.75));
     let warm =
         reflectance("blackbody|<float name='temperature' value='3000'/><float name='scale' value='.1'/>");
     assert!(warm.x > warm.y && warm.y > warm.z, "{warm}");

@@ -412,6 +412,48 @@ fn materials_of_version_4() {
     assert_eq!(sigma_a, vec3(2.0, 4.0, 6.0));
 }
 
+/// Version 4 looks names up when all of the file is read.
+#[test]
+fn materials_may_be_named_before_they_are_defined() {
+    let folder = Folder::new();
+    folder.write("a.png", png(1, 1, &[[255; 3]]));
+    let image = "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\"";
+    let read = |shapes: &str, definitions: &str| {
+        let text = format!("{HANDED}WorldBegin\n{shapes}\n{TRIANGLE}\n{image}\n{definitions}");
+        let import = load(&folder.write("scene.pbrt", text)).unwrap_or_else(|e| panic!("{e}"));
+        let found = kinds(&import);
+        (import, found)
+    };
+    let red = "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [1 0 0]";
+    let black = "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [0 0 0]";
+    let (import, warnings) = read("NamedMaterial \"a\"", red);
+    assert_eq!((used(&import.scene).surface, warnings), (Surface::diffuse(Vec3::X), vec![]));
+    assert_eq!(used(&import.scene).name, "a");
+
+    let textured = "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"texture reflectance\" \"i\"";
+    let (import, warnings) = read("NamedMaterial \"a\"", textured);
+    assert_eq!((import.scene.meshes[0].uvs[0].len(), warnings), (3, vec![]));
+
+    // A lamp keeps its light, and one on what is not there has none.
+    let lamp = "NamedMaterial \"a\" AreaLightSource \"diffuse\" \"rgb L\" [1 2 3]";
+    let (import, _) = read(lamp, red);
+    assert_eq!(used(&import.scene).emission, vec3(1.0, 2.0, 3.0).into());
+    let (import, _) = read(lamp, "MakeNamedMaterial \"a\" \"string type\" \"interface\"");
+    assert!(!used(&import.scene).is_emissive());
+
+    let mix = |name: &str, a: &str, b: &str| {
+        format!("MakeNamedMaterial \"{name}\" \"string type\" \"mix\" \"string materials\" [\"{a}\" \"{b}\"]")
+    };
+    let definitions = format!("{}\n{}\n{black}\n{red}", mix("n", "m", "b"), mix("m", "a", "b"));
+    let (import, warnings) = read("NamedMaterial \"n\"", &definitions);
+    assert_eq!((used(&import.scene).surface, warnings), (Surface::diffuse(Vec3::X / 4.0), vec![]));
+
+    // What never comes, and what comes of itself.
+    let (import, warnings) = read("NamedMaterial \"a\"", "");
+    assert_eq!((used(&import.scene).surface, warnings.len()), (Surface::diffuse(Vec3::splat(0.8)), 1));
+    read("NamedMaterial \"a\"", &mix("a", "a", "b"));
+}
+
 #[test]
 fn materials_of_version_3() {
     let read = |text: &str| {

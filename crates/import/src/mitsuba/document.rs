@@ -22,7 +22,8 @@ const MAX_INCLUDES: usize = 4096;
 /// Elements of all files together.
 const MAX_ELEMENTS: usize = 1 << 24;
 
-const BLACK_BODY: &str = "black bodies have their colour, and the luminance of white of radiance 1";
+pub(super) const BLACK_BODY: &str =
+    "black bodies have their colour, and the luminance of white of radiance 1";
 
 /// What kinds of objects there are, by their tags; `luminaire` and `camera` are of release 0.2.
 const CLASSES: [(&str, Class); 14] = [

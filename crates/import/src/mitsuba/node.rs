@@ -1,9 +1,11 @@
 //! An object as those who make something of it see it: properties by name and type.
 
+use std::collections::HashMap;
+
 use glam::{Mat4, Vec3};
 
 use super::{
-    document::{Child, Class, Document, Object, Target},
+    document::{Child, Class, Document, Object, Property, Target},
     value::{Quantity, Value},
 };
 use crate::{ImportError, files::shortened};
@@ -54,6 +56,15 @@ impl<'a> Node<'a> {
         let property = self.object().properties.iter().rev().find(|property| property.name == name)?;
         property.used.set(true);
         Some(&property.value)
+    }
+
+    /// All properties, by name; they count as used.
+    pub fn values(&self) -> HashMap<String, Value> {
+        let used = |property: &Property| {
+            property.used.set(true);
+            (property.name.clone(), property.value.clone())
+        };
+        self.object().properties.iter().map(used).collect()
     }
 
     pub fn has(&self, name: &str) -> bool {

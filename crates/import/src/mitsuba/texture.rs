@@ -3,7 +3,13 @@
 use glam::{Mat3, Mat4, Vec2, Vec3};
 use midway_scene::{Channel, ColorInput, Filter, Image, ScalarInput, Texels, Texture, Wrap};
 
-use super::{Loader, MAX_DEPTH, document::Class, node::Node, transform, value::Quantity};
+use super::{
+    Loader, MAX_DEPTH,
+    document::{BLACK_BODY, Class},
+    node::Node,
+    transform,
+    value::{Quantity, spectrum_plugin},
+};
 use crate::{
     ImportError,
     images::{CUT_TO_ONE, Encoding, LEAST_CUT},
@@ -103,8 +109,27 @@ impl Loader<'_> {
                 let inner = self.texture(inner, quantity, depth + 1)?;
                 Ok(Scaled { scale: inner.scale * by.unwrap_or(Vec3::ONE), ..inner })
             }
+            // What it holds, under an illuminant whose white is white.
+            "d65" if node.first(Class::Texture)?.is_some() => {
+                let inner =
+                    node.first(Class::Texture)?.ok_or_else(|| node.malformed("it holds no texture"))?;
+                let by = node.float_or("scale", 1.0)?.max(0.0);
+                let inner = self.texture(inner, quantity, depth + 1)?;
+                Ok(Scaled { scale: inner.scale * by, ..inner })
+            }
             // Releases since 2 write values as objects too.
-            "srgb" | "rgb" | "uniform" | "constant" => {
+            plugin @ ("uniform" | "d65" | "blackbody" | "irregular" | "regular") => {
+                let color = spectrum_plugin(plugin, &node.values()).and_then(|value| value.color(quantity));
+                let scale = color.ok_or_else(|| node.malformed("it has no value that is read"))?;
+                if scale.min_element() < 0.0 {
+                    return Err(node.malformed("its value is below 0"));
+                }
+                if plugin == "blackbody" {
+                    self.warn(WarningKind::Approximation, node, BLACK_BODY);
+                }
+                Ok(Scaled { scale, texture: None, channel: Channel::R })
+            }
+            "srgb" | "rgb" | "constant" => {
                 let color = match node.color("color", quantity)? {
                     Some(color) => Some(color),
                     None => node.color("value", quantity)?,

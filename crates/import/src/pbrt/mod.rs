@@ -9,6 +9,7 @@ mod colours;
 mod directives;
 mod environment;
 mod files;
+mod later;
 mod lex;
 mod lights;
 mod materials;
