@@ -14,6 +14,7 @@
 //! # Ok::<(), midway_import::ImportError>(())
 //! ```
 
+mod disney;
 mod environment;
 mod error;
 mod files;
@@ -22,6 +23,7 @@ mod gltf;
 mod images;
 mod metals;
 mod mitsuba;
+mod mixture;
 mod obj;
 mod pbrt;
 mod ply;

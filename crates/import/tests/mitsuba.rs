@@ -223,6 +223,135 @@ fn textures_keep_factors_above_1() {
     assert_eq!((reflectance, opacity), (Vec3::ONE, 1.0));
 }
 
+/// A diffuse BSDF of a grey, or of an image.
+fn diffuse(reflectance: &str) -> String {
+    match reflectance.parse::<f32>() {
+        Ok(grey) => format!("<bsdf type='diffuse'><rgb name='reflectance' value='{grey}'/></bsdf>"),
+        Err(_) => format!("<bsdf type='diffuse'>{}</bsdf>", image("reflectance", reflectance)),
+    }
+}
+
+fn image(name: &str, file: &str) -> String {
+    format!(
+        "<texture name='{name}' type='bitmap'><string name='filename' value='{file}'/>\
+         <boolean name='raw' value='true'/></texture>"
+    )
+}
+
+/// The material with this BSDF, its texels' red where it has an image, and what is said.
+fn mixed(bsdf: &str) -> (Surface, Vec<f32>, Vec<String>) {
+    let folder = Folder::new();
+    folder.write("a.bmp", bmp([[0; 3], [51; 3], [102; 3], [255; 3]]));
+    folder.write("b.bmp", bmp([[255; 3]; 4]));
+    let camera = "<sensor type='perspective'/>";
+    let text = format!("<scene version='3.0.0'>{camera}{LAMP}<shape type='rectangle'>{bsdf}</shape></scene>");
+    let import = load(&folder.write("scene.xml", text)).unwrap_or_else(|e| panic!("{e}"));
+    let surface = import.scene.materials[1].surface.clone();
+    let texels = import
+        .scene
+        .images
+        .last()
+        .map_or(Vec::new(), |image| (0..image.texels.len()).map(|i| image.texels.linear(i)[0]).collect());
+    (surface, texels, import.warnings.into_iter().map(|w| w.message).collect())
+}
+
+fn blend(weight: &str, parts: [&str; 2]) -> String {
+    let weight = match weight.parse::<f32>() {
+        Ok(weight) => format!("<float name='weight' value='{weight}'/>"),
+        Err(_) => image("weight", weight),
+    };
+    format!("<bsdf type='blendbsdf'>{weight}{}{}</bsdf>", parts[0], parts[1])
+}
+
+/// The sum of two Lambertian surfaces is one of their albedos' sum.
+#[test]
+fn mixed_diffuse_bsdfs_are_their_sum() {
+    let close = |found: &[f32], expected: &[f32]| {
+        let near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-4);
+        assert!(near && found.len() == expected.len(), "{found:?} {expected:?}");
+    };
+    let both = |weight: &str, a: &str, b: &str| mixed(&blend(weight, [&diffuse(a), &diffuse(b)]));
+    let (surface, _, warnings) = both("0.25", "0.25", "0.75");
+    assert_eq!((surface, warnings), (Surface::diffuse(Vec3::splat(0.375)), vec![]));
+    for (weight, a, b, expected) in [
+        ("0.5", "a.bmp", "1", [0.5, 0.6, 0.7, 1.0]),
+        ("0.25", "0", "a.bmp", [0.0, 0.05, 0.1, 0.25]),
+        ("a.bmp", "0.5", "1", [0.5, 0.6, 0.7, 1.0]),
+        ("a.bmp", "b.bmp", "0.5", [1.0, 0.9, 0.8, 0.5]),
+    ] {
+        let (surface, texels, warnings) = both(weight, a, b);
+        assert_eq!(warnings, Vec::<String>::new());
+        let Surface::Diffuse { reflectance } = surface else { panic!("{surface:?}") };
+        assert!(reflectance.value == Vec3::ONE && reflectance.texture.is_some());
+        close(&texels, &expected);
+    }
+    let three = format!(
+        "<bsdf type='mixturebsdf'><string name='weights' value='0.5, 0.25, 0.25'/>{}{}{}</bsdf>",
+        diffuse("0.4"),
+        diffuse("0.8"),
+        diffuse("0"),
+    );
+    let (surface, _, warnings) = mixed(&three);
+    let Surface::Diffuse { reflectance } = surface else { panic!("{surface:?}") };
+    close(&[reflectance.value.x], &[0.4]);
+    assert_eq!(warnings, Vec::<String>::new());
+}
+
+#[test]
+fn mixed_bsdfs_of_one_type_have_mixed_parameters() {
+    let metal = |alpha: f32, tint: f32| {
+        format!(
+            "<bsdf type='roughconductor'><string name='distribution' value='ggx'/>\
+             <float name='alpha' value='{alpha}'/><rgb name='specular_reflectance' value='{tint}'/></bsdf>"
+        )
+    };
+    let of = |weight: &str, a: &str, b: &str| {
+        let (surface, _, warnings) = mixed(&blend(weight, [a, b]));
+        match surface {
+            Surface::Conductor { fresnel: ConductorFresnel::Complex { tint, .. }, roughness } => {
+                (roughness.along.value, tint.value.x, warnings)
+            }
+            other => panic!("{other:?}"),
+        }
+    };
+    let (alpha, tint, warnings) = of("0.25", &metal(0.2, 0.4), &metal(0.6, 0.8));
+    assert!((alpha - 0.3).abs() <= 1e-6 && (tint - 0.5).abs() <= 1e-6, "{alpha} {tint}");
+    assert!(warnings.iter().any(|w| w.contains("whose parameters are mixed")), "{warnings:?}");
+    // What light is multiplied by adds up.
+    assert_eq!(of("0.5", &metal(0.2, 0.5), &metal(0.2, 1.0)), (0.2, 0.75, vec![]));
+    // Of different types there is one.
+    let (surface, _, warnings) = mixed(&blend("0.75", [&diffuse("0.5"), "<bsdf type='dielectric'/>"]));
+    assert!(matches!(surface, Surface::Dielectric { .. }));
+    assert!(warnings.iter().any(|w| w.contains("the one with the greatest weight")), "{warnings:?}");
+}
+
+/// `c` is the base's hue, of luminance 1: sheen times the way from white to it.
+#[test]
+fn textures_of_a_principled_sheen_and_coat_count() {
+    let principled = |inside: &str| {
+        let (surface, texels, warnings) = mixed(&format!("<bsdf type='principled'>{inside}</bsdf>"));
+        let Surface::MetallicRoughness(model) = surface else { panic!("{surface:?}") };
+        assert!(warnings.iter().all(|w| w.contains("principled BSDFs are")), "{warnings:?}");
+        (model, texels)
+    };
+    let near = |found: &[f32], expected: [f32; 4]| {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-4), "{found:?} {expected:?}");
+    };
+    let (model, texels) = principled(&image("sheen", "a.bmp"));
+    assert!(model.sheen_color.texture.is_some());
+    near(&texels, [0.0, 0.2, 0.4, 1.0]);
+    let base = "<rgb name='base_color' value='0 0.5 0'/><float name='sheen' value='0.5'/>";
+    let (_, texels) = principled(&format!("{base}{}", image("sheen_tint", "a.bmp")));
+    near(&texels, [0.5, 0.4, 0.3, 0.0]);
+    let coat = "<float name='clearcoat' value='1'/>";
+    let (model, texels) = principled(&format!("{coat}{}", image("clearcoat_gloss", "a.bmp")));
+    assert!(model.clearcoat_roughness.texture.is_some());
+    near(&texels, [0.0, 0.2, 0.4, 1.0].map(|gloss: f32| (0.1 - 0.099 * gloss).sqrt()));
+    let (plain, _) = principled("<float name='sheen' value='0.5'/><float name='clearcoat_gloss' value='1'/>");
+    assert_eq!(plain.sheen_color, Vec3::splat(0.5).into());
+    assert!((plain.clearcoat_roughness.value - 0.001f32.sqrt()).abs() <= 1e-6);
+}
+
 #[test]
 fn checkerboards_are_four_texels() {
     let board = "<bsdf type='diffuse'><texture name='reflectance' type='checkerboard'>\

@@ -608,6 +608,38 @@ fn textures_keep_factors_above_1() {
 }
 
 #[test]
+fn images_mix_materials_and_shine_on_cloth() {
+    let folder = Folder::new();
+    folder.write("a.png", png(2, 1, &[[0; 3], [51; 3]]));
+    let read = |text: &str| {
+        let image = "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \"string encoding\" \"linear\"";
+        let text = format!("{HANDED}WorldBegin\n{image}\n{text}\n{TRIANGLE}");
+        let import = load(&folder.write("scene.pbrt", text)).unwrap_or_else(|e| panic!("{e}"));
+        let texels = &import.scene.images.last().unwrap().texels;
+        let texels: Vec<f32> = (0..texels.len()).map(|i| texels.linear(i)[0]).collect();
+        (used(&import.scene).surface, texels, kinds(&import))
+    };
+    let diffuse = |name: &str, grey: f32| {
+        format!(
+            "MakeNamedMaterial \"{name}\" \"string type\" \"diffuse\" \"rgb reflectance\" [{grey} {grey} {grey}]\n"
+        )
+    };
+    let parts = diffuse("x", 1.0) + &diffuse("y", 0.0);
+    let mix = "Material \"mix\" \"string materials\" [\"x\" \"y\"] \"texture amount\" \"a\"";
+    let (surface, texels, warnings) = read(&format!("{parts}{mix}"));
+    assert!(matches!(surface, Surface::Diffuse { reflectance } if reflectance.texture.is_some()));
+    assert!((texels[0] - 1.0).abs() + (texels[1] - 0.8).abs() <= 1e-4, "{texels:?}");
+    assert_eq!(warnings, []);
+
+    let cloth = "Material \"disney\" \"rgb color\" [0 .5 0] \"texture sheen\" \"a\" \"float sheentint\" 1";
+    let (surface, texels, warnings) = read(cloth);
+    assert!(matches!(surface, Surface::MetallicRoughness(model) if model.sheen_color.texture.is_some()));
+    // Green alone, of luminance 1.
+    assert_eq!(texels, [0.0, 0.0]);
+    assert_eq!(warnings, [WarningKind::Approximation]);
+}
+
+#[test]
 fn alpha_by_number_and_texture() {
     let folder = Folder::new();
     folder.write("a.png", png(2, 1, &[[255; 3], [0; 3]]));

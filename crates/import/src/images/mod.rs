@@ -3,6 +3,7 @@
 //! An image that is missing or damaged can be done without: it is listed, and one texel that
 //! changes nothing takes its place.
 
+mod computed;
 mod decode;
 mod ktx;
 
@@ -21,7 +22,9 @@ use crate::{
     files::{self, SceneFolder},
     warning::{WarningKind, Warnings},
 };
-use decode::{Decoded, Problem};
+use computed::Computed;
+pub(crate) use computed::Input;
+use decode::{Decoded, MAX_TEXELS, Problem};
 
 /// Texels that a scene may have, however small its files.
 const FREE_TEXELS: u64 = 1 << 26;
@@ -87,7 +90,12 @@ enum Key {
     Bytes(usize, usize),
 }
 
-struct Request {
+enum Request {
+    Read(Reading),
+    Computed(Computed),
+}
+
+struct Reading {
     source: usize,
     encoding: Encoding,
     name: String,
@@ -141,9 +149,13 @@ impl Images {
     /// Notes that an image is multiplied where the product is to be at most 1: there it is cut off as it is
     /// used, and if any texel is, a warning says so.
     pub fn scaled(&mut self, image: u32, by: [f32; 4], place: &Place) {
-        let source = &self.sources[self.requests[image as usize].source];
-        let is_made = matches!(source, Source::Ready(Image { texels: Texels::Float(_), .. }));
-        if is_made || by.iter().any(|factor| *factor > 1.0) {
+        let is_float = match &self.requests[image as usize] {
+            Request::Read(reading) => {
+                matches!(&self.sources[reading.source], Source::Ready(Image { texels: Texels::Float(_), .. }))
+            }
+            Request::Computed(_) => false,
+        };
+        if is_float || by.iter().any(|factor| *factor > 1.0) {
             self.scaled.push(Scaled { image, by, place: place.short() });
         }
     }
@@ -161,7 +173,7 @@ impl Images {
         let next = self.requests.len() as u32;
         let index = *self.known_requests.entry((source, encoding)).or_insert(next);
         if index == next {
-            self.requests.push(Request { source, encoding, name, place: place.short() });
+            self.requests.push(Request::Read(Reading { source, encoding, name, place: place.short() }));
         }
         index
     }
@@ -175,29 +187,25 @@ impl Images {
     /// Every image that was asked for, in the order of indices. What cannot be decoded is listed
     /// and replaced.
     pub fn decode(mut self, warnings: &mut Warnings) -> Vec<Image> {
-        let admitted = self.admit();
+        let (admitted, mut room) = self.admit();
         let decoded: Vec<Result<Decoded, Problem>> = self
             .sources
             .par_iter()
             .zip(admitted)
             .map(|(source, ok)| ok.and_then(|()| source.decode()))
             .collect();
-        let image = |request: &Request| match &decoded[request.source] {
-            Ok(decoded) => {
-                if let Some(note) = decoded.note {
-                    warnings.add(WarningKind::Repaired, request.place.clone(), note);
-                }
-                decoded.image(request.name.clone(), request.encoding)
-            }
-            Err(problem) => {
-                let message = format!("{problem}: the surface is rendered without it");
-                warnings.add(WarningKind::Texture, request.place.clone(), message);
-                placeholder(request)
-            }
-        };
-        let images: Vec<Image> = self.requests.iter().map(image).collect();
+        let mut images = Vec::with_capacity(self.requests.len());
+        for request in &self.requests {
+            images.push(match request {
+                Request::Read(reading) => reading.image(&decoded[reading.source], warnings),
+                Request::Computed(computed) => computed.image(&images, &mut room, warnings),
+            });
+        }
         for Scaled { image, by, place } in self.scaled {
-            let is_there = decoded[self.requests[image as usize].source].is_ok();
+            let is_there = match &self.requests[image as usize] {
+                Request::Read(reading) => decoded[reading.source].is_ok(),
+                Request::Computed(_) => true,
+            };
             if is_there && exceeds_one(&images[image as usize], by) {
                 warnings.add(WarningKind::Repaired, place, CUT_TO_ONE);
             }
@@ -205,8 +213,9 @@ impl Images {
         images
     }
 
-    /// Whether each source may be decoded, by the size in its header.
-    fn admit(&mut self) -> Vec<Result<(), Problem>> {
+    /// Whether each source may be decoded, by the size in its header, and how many texels may be made beyond
+    /// that.
+    fn admit(&mut self) -> (Vec<Result<(), Problem>>, u64) {
         let sizes: Vec<_> = self.sources.par_iter().map(Source::size).collect();
         let held = self.sources.iter().map(Source::bytes_of_file).fold(self.held_bytes, u64::saturating_add);
         let limit = held.saturating_mul(TEXELS_PER_BYTE).saturating_add(FREE_TEXELS);
@@ -216,7 +225,26 @@ impl Images {
             total = total.saturating_add(u64::from(width) * u64::from(height));
             if total <= limit { Ok(()) } else { Err(Problem::BeyondFiles { width, height }) }
         };
-        sizes.into_iter().map(admit).collect()
+        let admitted = sizes.into_iter().map(admit).collect();
+        (admitted, limit.saturating_sub(total))
+    }
+}
+
+impl Reading {
+    fn image(&self, decoded: &Result<Decoded, Problem>, warnings: &mut Warnings) -> Image {
+        match decoded {
+            Ok(decoded) => {
+                if let Some(note) = decoded.note {
+                    warnings.add(WarningKind::Repaired, self.place.clone(), note);
+                }
+                decoded.image(self.name.clone(), self.encoding)
+            }
+            Err(problem) => {
+                let message = format!("{problem}: the surface is rendered without it");
+                warnings.add(WarningKind::Texture, self.place.clone(), message);
+                placeholder(self)
+            }
+        }
     }
 }
 
@@ -310,7 +338,7 @@ fn exceeds_one(image: &Image, by: [f32; 4]) -> bool {
 }
 
 /// A texel that leaves a factor, or a normal, as it is.
-fn placeholder(request: &Request) -> Image {
-    let texel = if request.encoding == Encoding::Normal { [128, 128, 255, 255] } else { [255; 4] };
-    Image { name: request.name.clone(), width: 1, height: 1, texels: Texels::Linear8([texel].into()) }
+fn placeholder(reading: &Reading) -> Image {
+    let texel = if reading.encoding == Encoding::Normal { [128, 128, 255, 255] } else { [255; 4] };
+    Image { name: reading.name.clone(), width: 1, height: 1, texels: Texels::Linear8([texel].into()) }
 }

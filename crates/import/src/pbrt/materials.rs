@@ -16,8 +16,9 @@ use super::{
 };
 use crate::{
     ImportError, Place, default_material,
-    images::Encoding,
+    images::{Encoding, Input},
     metals::{self, ComplexIor},
+    mixture,
     warning::{WarningKind, Warnings},
 };
 
@@ -297,19 +298,25 @@ impl Definition<'_> {
             let index = self.materials.named(name, place, version, self.warnings);
             self.materials.list[index].clone()
         });
-        // How much of the second there is in v4, and of the first in v3.
-        let of_first = !self.params.has("materials");
-        let amount = if self.params.texture("amount")?.is_some() {
-            self.approximated("mixtures of materials by an image are rendered as half and half");
-            0.5
-        } else {
-            self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?.y.clamp(0.0, 1.0)
+        let amount: Input = match self.params.texture("amount")? {
+            Some(_) if self.reader.version == Version::V4 => {
+                self.scalar("amount")?.unwrap_or(0.5.into()).input.into()
+            }
+            _ => self.albedo("amount", 0.5)?.into(),
         };
-        let of_second = if of_first { 1.0 - amount } else { amount };
-        if let (Some(a), Some(b)) = (plain_diffuse(&a), plain_diffuse(&b)) {
-            return Ok(Material::new(Surface::diffuse(a.lerp(b, of_second))));
+        // How much of the second there is in v4, and of the first in v3.
+        let [a, b] = if self.params.has("materials") { [a, b] } else { [b, a] };
+        if let Some(mixture) = mixture::mixed(&mut self.textures.images, [&a, &b], &amount) {
+            if !mixture.is_exact {
+                self.approximated("mixtures of materials of one type are rendered with mixed parameters");
+            }
+            return Ok(Material { name: String::new(), ..mixture.material });
         }
         self.approximated("mixtures of materials are rendered as the one there is more of");
+        let of_second = match amount {
+            Input::Color(color) => color.value.y,
+            Input::Scalar(scalar) => scalar.value,
+        };
         Ok(if of_second <= 0.5 { a } else { b })
     }
 
@@ -322,17 +329,6 @@ impl Definition<'_> {
             }
         }
         Ok(Surface::diffuse(Vec3::splat(0.5)))
-    }
-}
-
-fn plain_diffuse(material: &Material) -> Option<Vec3> {
-    match &material.surface {
-        Surface::Diffuse { reflectance }
-            if reflectance.texture.is_none() && material.normal_map.is_none() =>
-        {
-            Some(reflectance.value)
-        }
-        _ => None,
     }
 }
 
