@@ -152,6 +152,14 @@ fn vertices_that_are_no_numbers() {
 }
 
 #[test]
+fn vertices_too_far_away() {
+    for (x, y) in [("1e38", "0"), ("-1e38", "1e38"), ("3e38", "-3e38"), ("1e19", "0")] {
+        let obj = load_bytes("scene.obj", format!("v {x} 0 0\nv 1 {y} 0\nv 0 1 0\nf 1 2 3\n"));
+        assert_error!(obj, ImportError::InvalidScene { .. }, "scene.obj", "from its origin");
+    }
+}
+
+#[test]
 fn network_uris_are_not_followed() {
     for uri in ["http://example.org/a.bin", "HTTPS://example.org/a.bin", "//example.org/a.bin", "ftp://a/b"] {
         let result = load_json(&triangle_with("/buffers/0/uri", json!(uri)));

@@ -12,6 +12,9 @@ use crate::{
 /// them with three or four decimals.
 const UNIT_TOLERANCE: f32 = 1e-3;
 
+/// Squares of distances are numbers of 32 bits, with room for the sides of a box and a sphere around it.
+const FARTHEST: f32 = 1e18;
+
 type Checked = Result<(), SceneError>;
 
 impl Scene {
@@ -54,8 +57,11 @@ impl Scene {
             return Err(SceneError::NoTriangles);
         }
         // Meshes and transforms are finite, and are multiplied in f64: no vertex is NaN.
-        check(bounds.diagonal().is_finite(), "the scene", || {
-            "it is larger than a number of 32 bits holds".to_owned()
+        let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        check(farthest <= FARTHEST, "the scene", || {
+            format!(
+                "it reaches {farthest:.1e} from its origin, and no more than {FARTHEST:.0e} can be rendered"
+            )
         })
     }
 }

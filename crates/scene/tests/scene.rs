@@ -101,6 +101,23 @@ fn factors_of_textures_may_exceed_1() {
     scene.validate().unwrap_err();
 }
 
+/// Whether alone or with another at the other end.
+#[test]
+fn a_scene_that_is_too_large_is_said_to_be() {
+    for far in [1e19, 1e38, 3e38, -1e38] {
+        for near in [0.0, -far] {
+            let mut scene = scene();
+            scene.meshes[0].positions[1] = vec3(far, 0.0, 0.0);
+            scene.meshes[0].positions[2] = vec3(near, 1.0, 0.0);
+            let line = scene.validate().unwrap_err().to_string();
+            assert!(line.contains("the scene") && line.contains("from its origin"), "{far}: {line}");
+        }
+    }
+    let mut scene = scene();
+    scene.meshes[0].positions[1].x = 1e17;
+    scene.validate().unwrap();
+}
+
 #[test]
 fn errors_name_what_is_wrong() {
     let mut damaged = scene();
