@@ -562,6 +562,49 @@ fn textures() {
     assert_eq!(kinds(&load_with("")), [WarningKind::Texture]);
 }
 
+#[test]
+fn images_that_lie_alike_mix_and_multiply() {
+    let folder = Folder::new();
+    folder.write("a.png", png(2, 1, &[[51; 3], [255; 3]]));
+    folder.write("b.png", png(1, 1, &[[102; 3]]));
+    let read = |texture: &str, scale: f32| {
+        let image = |kind: &str, name: &str, scale: f32| {
+            format!(
+                "Texture \"{kind}-{name}\" \"{kind}\" \"imagemap\" \"string filename\" \"{name}.png\" \
+                 \"string encoding\" \"linear\" \"float uscale\" {scale}\n"
+            )
+        };
+        let images = image("spectrum", "a", 1.0) + &image("spectrum", "b", scale) + &image("float", "a", 1.0);
+        let material = "Material \"diffuse\" \"texture reflectance\" \"t\"";
+        let text = format!(
+            "{HANDED}WorldBegin\n{images}Texture \"t\" \"spectrum\" {texture}\n{material}\n{TRIANGLE}"
+        );
+        let import = load(&folder.write("scene.pbrt", text)).unwrap_or_else(|e| panic!("{e}"));
+        let Surface::Diffuse { reflectance } = used(&import.scene).surface else { panic!() };
+        let texels = &import.scene.images[reflectance.texture.as_ref().unwrap().image as usize].texels;
+        let values: Vec<f32> = (0..texels.len()).map(|i| reflectance.value.x * texels.linear(i)[0]).collect();
+        (values, kinds(&import))
+    };
+    let product = "\"scale\" \"texture tex1\" \"spectrum-a\" \"texture tex2\" \"spectrum-b\"";
+    let by_number = "\"scale\" \"texture tex\" \"spectrum-b\" \"texture scale\" \"float-a\"";
+    let mix = "\"mix\" \"texture tex1\" \"spectrum-a\" \"texture tex2\" \"spectrum-b\" \"float amount\" .5";
+    let by_image =
+        "\"mix\" \"texture tex1\" \"spectrum-a\" \"rgb tex2\" [2 2 2] \"texture amount\" \"float-a\"";
+    for (texture, expected) in
+        [(product, [0.08, 0.4]), (by_number, [0.08, 0.4]), (mix, [0.3, 0.7]), (by_image, [0.56, 2.0])]
+    {
+        let (values, warnings) = read(texture, 1.0);
+        let near = values.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-4) && values.len() == 2;
+        assert!(near, "{texture}: {values:?}");
+        // Twice the light is cut.
+        let cut = if texture == by_image { vec![WarningKind::Repaired] } else { vec![] };
+        assert_eq!(warnings, cut, "{texture}");
+    }
+    for texture in [product, mix] {
+        assert_eq!(read(texture, 2.0).1, [WarningKind::Approximation], "{texture}");
+    }
+}
+
 /// A factor above 1 is for dark images: it counts where the product is below 1, and what is cut is said.
 #[test]
 fn textures_keep_factors_above_1() {

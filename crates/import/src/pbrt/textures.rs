@@ -216,11 +216,7 @@ impl Definition<'_> {
             "mix" | "directionmix" => {
                 let (a, b) = (self.input("tex1", 0.0)?, self.input("tex2", 1.0)?);
                 let amount = self.amount(class)?;
-                if a.texture.is_none() && b.texture.is_none() {
-                    return Ok(a.value.lerp(b.value, amount).into());
-                }
-                self.approximated("mixtures of images are rendered as the one there is more of");
-                Ok(if amount < 0.5 { a } else { b })
+                Ok(self.blend(a, b, amount))
             }
             "bilerp" => {
                 let mut mean = Vec3::ZERO;
@@ -267,6 +263,12 @@ impl Definition<'_> {
             "mix" | "directionmix" => {
                 let (a, b) = (self.number("tex1", 0.0)?, self.number("tex2", 1.0)?);
                 let amount = self.amount(class)?;
+                let amount = if amount.texture.is_some() {
+                    self.approximated("mixtures of numbers by an image are rendered as half and half");
+                    0.5
+                } else {
+                    amount.value
+                };
                 if a.image.is_none() && b.image.is_none() {
                     return Ok((a.input.value + (b.input.value - a.input.value) * amount).into());
                 }
@@ -303,35 +305,46 @@ impl Definition<'_> {
     }
 
     /// How much of the second there is in a mixture.
-    fn amount(&mut self, class: &str) -> Result<f32, ImportError> {
+    fn amount(&mut self, class: &str) -> Result<ScalarInput, ImportError> {
         if class == "directionmix" {
             self.params.ignore(&["dir"]);
             self.approximated("mixtures by direction are rendered as the same from all");
-            return Ok(0.5);
+            return Ok(0.5.into());
         }
-        let amount = if self.params.texture("amount")?.is_some() {
-            self.number("amount", 0.5)?.input
-        } else {
-            let grey = self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?;
-            grey.y.into()
-        };
-        if amount.texture.is_some() {
-            self.approximated("mixtures whose amount is an image are rendered as half and half");
-            return Ok(0.5);
+        if self.params.texture("amount")?.is_some() {
+            return Ok(self.number("amount", 0.5)?.input);
         }
-        Ok(amount.value.clamp(0.0, 1.0))
+        let grey = self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?;
+        Ok(grey.y.clamp(0.0, 1.0).into())
+    }
+
+    fn blend(&mut self, a: ColorInput, b: ColorInput, amount: ScalarInput) -> ColorInput {
+        // Images are of values within 0 and 1: what is more multiplies them.
+        let most = a.value.max_element().max(b.value.max_element()).max(1.0);
+        let within = |input: &ColorInput| ColorInput { value: input.value / most, ..input.clone() };
+        let inputs = [within(&a).into(), within(&b).into(), amount.clone().into()];
+        let lerp = |values: &[Vec3]| values[0] + (values[1] - values[0]) * values[2].min(Vec3::ONE);
+        if let Some(blended) = self.textures.images.computed(&inputs, lerp) {
+            return ColorInput { value: blended.value * most, ..blended };
+        }
+        self.approximated(
+            "mixtures of images that lie in different ways are rendered as the one there is more of",
+        );
+        if amount.value < 0.5 { a } else { b }
     }
 
     fn product(&mut self, a: ColorInput, b: ColorInput) -> ColorInput {
-        let value = a.value * b.value;
-        let texture = match (a.texture, b.texture) {
-            (Some(a), Some(_)) => {
-                self.approximated("products of two images are rendered as the first");
-                Some(a)
-            }
-            (a, b) => a.or(b),
+        let value = (a.value * b.value).max(Vec3::ZERO);
+        let (Some(first), Some(second)) = (&a.texture, &b.texture) else {
+            return ColorInput { value, texture: a.texture.or(b.texture) };
         };
-        ColorInput { value: value.max(Vec3::ZERO), texture }
+        let inputs = [first, second]
+            .map(|texture| ColorInput { value: Vec3::ONE, texture: Some(texture.clone()) }.into());
+        if let Some(texture) = self.textures.images.computed(&inputs, |values| values[0] * values[1]) {
+            return ColorInput { value, ..texture };
+        }
+        self.approximated("products of images that lie in different ways are rendered as the first");
+        ColorInput { value, texture: a.texture }
     }
 
     fn flat(&mut self, input: ColorInput) -> Vec3 {
