@@ -568,9 +568,13 @@ fn serialized_as(flags: u32, n_vertices: u64, n_triangles: u64, last: f32, indic
 const SERIALIZED: &str = "<shape type='serialized'><string name='filename' value='m.serialized'/></shape>";
 
 fn load_serialized(bytes: &[u8]) -> Result<Import, ImportError> {
+    load_serialized_by("3.0.0", bytes)
+}
+
+fn load_serialized_by(release: &str, bytes: &[u8]) -> Result<Import, ImportError> {
     let folder = Folder::new();
     folder.write("m.serialized", bytes);
-    load(&folder.write("scene.xml", format!("<scene version='3.0.0'>{LAMP}{SERIALIZED}</scene>")))
+    load(&folder.write("scene.xml", format!("<scene version='{release}'>{LAMP}{SERIALIZED}</scene>")))
 }
 
 #[test]
@@ -579,9 +583,12 @@ fn serialized_meshes_are_read_and_bounded() {
     let import = load_serialized(&good).unwrap();
     assert_eq!(import.scene.meshes[1].positions[1..], [Vec3::X, Vec3::Y]);
     assert_eq!(import.scene.meshes[1].normals.len(), 3);
-    // Face normals: none at vertices.
-    let flat = load_serialized(&serialized_as(0x1010, 3, 1, 0.0, [0, 1, 2])).unwrap();
-    assert_eq!(flat.scene.meshes[1].normals, []);
+    // Face normals are asked for by the file in release 0.6, and by the scene alone since.
+    let flat = serialized_as(0x1010, 3, 1, 0.0, [0, 1, 2]);
+    for (release, n_normals) in [("0.6.0", 0), ("3.0.0", 3)] {
+        let import = load_serialized_by(release, &flat).unwrap();
+        assert_eq!(import.scene.meshes[1].normals.len(), n_normals, "{release}");
+    }
     let start = Instant::now();
     for (n_vertices, n_triangles) in
         [(u64::MAX, 1), (u64::from(u32::MAX), 1), (3, u64::MAX), (3, 1 << 26), (4, 1)]

@@ -16,7 +16,7 @@ const MAGIC: u16 = 0x041c;
 const HAS_NORMALS: u32 = 0x1;
 const HAS_UVS: u32 = 0x2;
 const HAS_COLORS: u32 = 0x8;
-/// Its normals at vertices do not count.
+/// It is flat, whatever normals it has.
 const HAS_FACE_NORMALS: u32 = 0x10;
 const IS_DOUBLE: u32 = 0x2000;
 /// Deflate makes at most so many bytes of one.
@@ -24,7 +24,7 @@ const MOST_INFLATED: u64 = 1032;
 /// A name's bytes that are read over.
 const LONGEST_NAME: u64 = 1 << 16;
 
-/// The mesh with an index in a file, and whether it is shaded flat; texture coordinates as the file has them.
+/// The mesh with an index in a file, and whether it is to be shaded flat; texture coordinates as the file has them.
 ///
 /// # Errors
 ///

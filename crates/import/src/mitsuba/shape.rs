@@ -186,7 +186,8 @@ impl Loader<'_> {
             "serialized" => {
                 let bytes = self.folder.read_bytes(&key.file, node.place())?;
                 let (mesh, is_flat) = serialized::read(&bytes, key.index, node.place())?;
-                shading.flat |= is_flat;
+                // Releases since 2 do not ask the file.
+                shading.flat |= is_flat && self.is_old;
                 mesh
             }
             "sphere" => primitives::sphere(),
