@@ -223,6 +223,27 @@ fn textures_keep_factors_above_1() {
     assert_eq!((reflectance, opacity), (Vec3::ONE, 1.0));
 }
 
+/// A weight may be an image: then what is there of the other is what it leaves.
+#[test]
+fn a_blend_with_nothing_is_a_share() {
+    let of = |parts: [&str; 2]| {
+        let folder = Folder::new();
+        folder.write("a.bmp", bmp([[0; 3], [51; 3], [102; 3], [255; 3]]));
+        let text = format!(
+            "<scene version='3.0.0'>{LAMP}<shape type='rectangle'>{}</shape></scene>",
+            blend("a.bmp", parts)
+        );
+        let import = load(&folder.write("scene.xml", text)).unwrap();
+        let Opacity::Blend(input) = &import.scene.materials[1].opacity else { panic!() };
+        let (texture, channel) = input.texture.as_ref().unwrap();
+        let texels = &import.scene.images[texture.image as usize].texels;
+        (0..4).map(|i| texels.linear(i)[*channel as usize]).collect::<Vec<f32>>()
+    };
+    let nothing = "<bsdf type='null'/>";
+    assert_eq!(of([nothing, &diffuse("0.5")]), [0.0, 0.2, 0.4, 1.0]);
+    assert_eq!(of([&diffuse("0.5"), nothing]), [1.0, 0.8, 0.6, 0.0]);
+}
+
 /// A diffuse BSDF of a grey, or of an image.
 fn diffuse(reflectance: &str) -> String {
     match reflectance.parse::<f32>() {
@@ -295,6 +316,28 @@ fn mixed_diffuse_bsdfs_are_their_sum() {
     let Surface::Diffuse { reflectance } = surface else { panic!("{surface:?}") };
     close(&[reflectance.value.x], &[0.4]);
     assert_eq!(warnings, Vec::<String>::new());
+    // What weights lack is dark.
+    let (surface, _, _) = mixed(&three.replace("0.5, 0.25, 0.25", "0.25, 0.25, 0"));
+    let Surface::Diffuse { reflectance } = surface else { panic!("{surface:?}") };
+    close(&[reflectance.value.x], &[0.3]);
+}
+
+/// Each level refers to the one below twice.
+#[test]
+fn mixtures_of_mixtures_do_not_multiply() {
+    let start = Instant::now();
+    let levels: String = (0..30)
+        .map(|i| {
+            let below =
+                if i == 0 { diffuse("0.5").repeat(2) } else { format!("<ref id='m{}'/>", i - 1).repeat(2) };
+            format!("<bsdf type='blendbsdf' id='m{i}'><float name='weight' value='0.5'/>{below}</bsdf>")
+        })
+        .collect();
+    let import = scene(&format!("{levels}<shape type='rectangle'><ref id='m29'/></shape>")).unwrap();
+    assert_eq!(import.scene.materials[1].surface, Surface::diffuse(Vec3::splat(0.5)));
+    assert!(start.elapsed().as_secs() < 5);
+    let itself = "<bsdf type='blendbsdf' id='m'><ref id='m'/><ref id='m'/></bsdf><shape type='rectangle'><ref id='m'/></shape>";
+    refused(scene(itself), "without end");
 }
 
 #[test]

@@ -22,7 +22,7 @@ mod value;
 use std::{collections::HashMap, path::Path};
 
 use glam::{Mat3, Mat4, Vec3};
-use midway_scene::{Image, LightKind, Scene, Texels};
+use midway_scene::{Image, LightKind, Material, Scene, Texels};
 
 use crate::{
     ImportError, Place,
@@ -46,6 +46,7 @@ pub(crate) fn load(path: &Path, folder: SceneFolder, warnings: &mut Warnings) ->
         images: Images::default(),
         scene: Scene::default(),
         materials: HashMap::new(),
+        mixtures: HashMap::new(),
         meshes: HashMap::new(),
         groups: HashMap::new(),
         group: None,
@@ -67,6 +68,8 @@ struct Loader<'w> {
     scene: Scene,
     /// By BSDF, emitter and medium.
     materials: HashMap<shape::Look, u32>,
+    /// Mixtures of BSDFs, by their object.
+    mixtures: HashMap<usize, Material>,
     meshes: HashMap<shape::MeshKey, u32>,
     /// The meshes of each shape group, by its object, with their places in it.
     groups: HashMap<usize, Vec<(u32, Mat4)>>,

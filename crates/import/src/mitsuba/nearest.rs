@@ -12,6 +12,8 @@ use crate::{
 
 type Result<T> = std::result::Result<T, ImportError>;
 
+/// What weights lack that stand for all, as files write thirds.
+const WEIGHT_ROUNDING: f32 = 0.01;
 /// Reflectance at normal incidence of a dielectric of index 1.5.
 const F0: f32 = 0.04;
 
@@ -104,6 +106,16 @@ impl Loader<'_> {
 
     /// Of two or more, their mixture where it is a material; where one of two is nothing, a share of the other.
     pub(super) fn mixture(&mut self, node: Node, depth: usize) -> Result<Material> {
+        // Each once: mixtures of mixtures that refer to one twice would double with each level.
+        if let Some(known) = self.mixtures.get(&node.index) {
+            return Ok(known.clone());
+        }
+        let material = self.new_mixture(node, depth)?;
+        self.mixtures.insert(node.index, material.clone());
+        Ok(material)
+    }
+
+    fn new_mixture(&mut self, node: Node, depth: usize) -> Result<Material> {
         let parts = node.all(Class::Bsdf)?;
         if let ("blendbsdf", &[first, second]) = (node.plugin(), &parts[..]) {
             let weight = self.scalar(node, "weight", 0.5)?;
@@ -111,8 +123,9 @@ impl Loader<'_> {
             if is_nothing(first) && !is_nothing(second) {
                 return self.in_part(second, weight, depth);
             }
-            if is_nothing(second) && weight.texture.is_none() {
-                return self.in_part(first, (1.0 - weight.value).into(), depth);
+            let rest = self.images.computed_scalar(&[weight.clone().into()], |values| Vec3::ONE - values[0]);
+            if let (true, Some(rest)) = (is_nothing(second), rest) {
+                return self.in_part(first, rest, depth);
             }
             let parts = [self.bsdf(first, depth + 1)?, self.bsdf(second, depth + 1)?];
             let heaviest = usize::from(weight.value > 0.5);
@@ -129,10 +142,32 @@ impl Loader<'_> {
             // Of all until here.
             shares.push(ScalarInput::from(weight / sum));
         }
-        match (parts.first(), materials.is_empty()) {
-            (Some(_), false) => Ok(self.mixed(node, &materials, &shares, heaviest.1)),
-            (Some(&first), true) => self.bsdf(first, depth + 1),
-            (None, _) => Err(node.malformed("it mixes nothing")),
+        let Some(&first) = parts.first() else {
+            return Err(node.malformed("it mixes nothing"));
+        };
+        if materials.is_empty() {
+            return self.bsdf(first, depth + 1);
+        }
+        let mut material = self.mixed(node, &materials, &shares, heaviest.1);
+        if (sum - 1.0).abs() > WEIGHT_ROUNDING {
+            self.weigh(node, &mut material, sum);
+        }
+        Ok(material)
+    }
+
+    /// Multiplies what a mixture scatters by the sum of its weights.
+    fn weigh(&mut self, node: Node, material: &mut Material, sum: f32) {
+        match &mut material.surface {
+            Surface::Diffuse { reflectance } => {
+                reflectance.value *= sum;
+                if reflectance.texture.is_none() {
+                    reflectance.value = reflectance.value.min(Vec3::ONE);
+                }
+            }
+            _ => {
+                let message = "weights of mixed BSDFs that do not add up to 1 are taken as shares";
+                self.warn(WarningKind::Approximation, node, message);
+            }
         }
     }
 
