@@ -132,6 +132,10 @@ fn what_has_no_counterpart_is_said() {
             "<shape type='rectangle'><bsdf type='diffuse'><float name='shine' value='1'/></bsdf></shape>",
             "\"shine\"",
         ),
+        (
+            "<shape type='rectangle'><bsdf type='principled'><texture name='specular' type='checkerboard'/></bsdf></shape>",
+            "the texture \"specular\" of \"principled\" is not used",
+        ),
         ("<shape type='hair'/>", "\"hair\" are not rendered"),
         ("<emitter type='sunsky'/>", "\"sunsky\" are not rendered"),
         ("<sensor type='radiancemeter'/>", "\"radiancemeter\" are not rendered"),

@@ -78,6 +78,7 @@ impl Loader<'_> {
             );
         }
         if node.child("texture")?.is_some() {
+            node.disregard_textures()?;
             self.warn(WarningKind::Texture, node, "textures that spot lights project are not used");
         }
         let to_world = node.to_world()?;

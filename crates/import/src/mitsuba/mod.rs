@@ -123,6 +123,11 @@ impl Loader<'_> {
                 let message = format!("\"{name}\" of {:?} is not used", files::shortened(&object.plugin));
                 self.warnings.add(WarningKind::Unused, object.place.short(), message);
             }
+            for (name, _) in document.children_of(object).filter(|(_, child)| child.is_unused_texture()) {
+                let (name, plugin) = (files::shortened(name), files::shortened(&object.plugin));
+                let message = format!("the texture {name:?} of {plugin:?} is not used");
+                self.warnings.add(WarningKind::Texture, object.place.short(), message);
+            }
         }
     }
 

@@ -78,6 +78,12 @@ impl<'a> Node<'a> {
         }
     }
 
+    /// Counts the textures in it as used that something else is said of.
+    pub fn disregard_textures(&self) -> Result<(), ImportError> {
+        self.all(Class::Texture)?.iter().for_each(|texture| texture.object().visited.set(true));
+        Ok(())
+    }
+
     fn typed<T>(
         &self,
         name: &str,

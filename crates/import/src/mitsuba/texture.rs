@@ -243,6 +243,7 @@ impl Loader<'_> {
     fn checkerboard(&mut self, node: Node, quantity: Quantity) -> Result<Scaled, ImportError> {
         let mut square = |name: &str, default: f32| {
             if node.child(name)?.is_some_and(|child| child.class() == Class::Texture) {
+                node.disregard_textures()?;
                 let message = "textures in the squares of a checkerboard are not used";
                 self.warn(WarningKind::Texture, node, message);
                 return Ok(Vec3::splat(default));
