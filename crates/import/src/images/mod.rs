@@ -201,12 +201,14 @@ impl Images {
                 Request::Computed(computed) => computed.image(&images, &mut room, warnings),
             });
         }
+        let mut peaks = HashMap::new();
         for Scaled { image, by, place } in self.scaled {
             let is_there = match &self.requests[image as usize] {
                 Request::Read(reading) => decoded[reading.source].is_ok(),
                 Request::Computed(_) => true,
             };
-            if is_there && exceeds_one(&images[image as usize], by) {
+            let peak = peaks.entry(image).or_insert_with(|| peak(&images[image as usize]));
+            if is_there && peak.iter().zip(by).any(|(x, by)| x * by > LEAST_CUT) {
                 warnings.add(WarningKind::Repaired, place, CUT_TO_ONE);
             }
         }
@@ -331,10 +333,13 @@ fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_string_lossy().to_ascii_lowercase())
 }
 
-/// Whether any texel does, each channel multiplied.
-fn exceeds_one(image: &Image, by: [f32; 4]) -> bool {
-    let exceeds = |texel: [f32; 4]| texel.iter().zip(by).any(|(x, by)| x * by > LEAST_CUT);
-    (0..image.texels.len()).into_par_iter().any(|index| exceeds(image.texels.linear(index)))
+/// The largest value of each channel.
+fn peak(image: &Image) -> [f32; 4] {
+    let larger = |a: [f32; 4], b: [f32; 4]| std::array::from_fn(|i| a[i].max(b[i]));
+    (0..image.texels.len())
+        .into_par_iter()
+        .map(|index| image.texels.linear(index))
+        .reduce(|| [0.0; 4], larger)
 }
 
 /// A texel that leaves a factor, or a normal, as it is.
