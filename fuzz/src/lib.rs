@@ -17,7 +17,7 @@ pub fn load(files: &[(&str, &[u8])]) {
         fs::write(folder.join(name), bytes).expect("the folder is there");
     }
     if let Some((scene, _)) = files.first() {
-        let (result, warnings) = midway_import::load_with_warnings(&folder.join(scene), None);
+        let (result, warnings) = midway_import::load_with(&folder.join(scene), &midway_import::Options::default());
         let lines = warnings.iter().map(ToString::to_string).chain(result.err().map(|e| e.to_string()));
         lines.for_each(|line| assert!(!line.contains(char::is_control), "{line:?}"));
     }

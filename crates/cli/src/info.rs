@@ -17,7 +17,7 @@ use crate::{
 /// # Errors
 /// [`Status::Input`] if it cannot be read, or cannot be rendered.
 pub fn run(args: &InfoArgs) -> Outcome {
-    let loaded = scene_file::load_variant(&args.scene, args.variant.as_deref())?;
+    let loaded = scene_file::load_variant(&args.scene, &args.root, args.variant.as_deref())?;
     let memory = Memory::of(&loaded.scene)?;
     if args.json {
         return console::output(&to_json(&loaded, &memory).to_string());

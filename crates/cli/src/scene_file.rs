@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use midway_import::{ImportError, NO_LIGHT, Variants, Warning, WarningKind};
+use midway_import::{ImportError, NO_LIGHT, Options, Variants, Warning, WarningKind};
 use midway_scene::Scene;
 
 use crate::{
-    args::LightGroupsArg,
+    args::{LightGroupsArg, RootArg},
     console,
     status::{Failure, Outcome, Status},
 };
@@ -39,17 +39,19 @@ impl LoadedScene {
 /// Reads and checks a scene file, with the materials that it has by default.
 ///
 /// # Errors
-/// [`Status::Input`], naming the file.
-pub fn load(path: &Path) -> Outcome<LoadedScene> {
-    load_variant(path, None)
+/// As [`load_variant`].
+pub fn load(path: &Path, root: &RootArg) -> Outcome<LoadedScene> {
+    load_variant(path, root, None)
 }
 
 /// Reads and checks a scene file, with the materials of a variant where one is named.
 ///
 /// # Errors
-/// [`Status::Usage`] where there is no such variant, with those that there are, else as [`load`].
-pub fn load_variant(path: &Path, variant: Option<&str>) -> Outcome<LoadedScene> {
-    let (import, warnings) = midway_import::load_with_warnings(path, variant);
+/// [`Status::Usage`] where there is no such variant, with those that there are, or where the root does
+/// not hold the scene; else [`Status::Input`], naming the file.
+pub fn load_variant(path: &Path, root: &RootArg, variant: Option<&str>) -> Outcome<LoadedScene> {
+    let options = Options { variant: variant.map(str::to_owned), root: root.root.clone() };
+    let (import, warnings) = midway_import::load_with(path, &options);
     // Flags may bring light: whether there is any is asked when the warnings are.
     let of_file = warnings.into_iter().filter(|warning| warning.kind != WarningKind::NoLight);
     let warnings: Vec<String> = of_file.map(|warning| warning.to_string()).collect();
@@ -57,10 +59,23 @@ pub fn load_variant(path: &Path, variant: Option<&str>) -> Outcome<LoadedScene> 
         print_warnings(&warnings);
         match error {
             ImportError::UnknownVariant { .. } => Failure::usage(format!("--variant: {error}")),
+            ImportError::OutsideRoot { .. } => Failure::usage(format!("--root: {error}")),
+            ImportError::UnsafePath { .. } => Failure::new(Status::Input, format!("{error} (--root FOLDER)")),
             _ => Failure::new(Status::Input, error),
         }
     })?;
-    Ok(LoadedScene { scene, variants, variant: variant.map(str::to_owned), warnings })
+    Ok(LoadedScene { scene, variants, variant: options.variant, warnings })
+}
+
+/// Refuses a root where no scene is read.
+///
+/// # Errors
+/// [`Status::Usage`] where there is one.
+pub fn refuse_root(root: &RootArg) -> Outcome {
+    match &root.root {
+        Some(_) => Err(Failure::usage("--root: no scene file is read whose files could lie there")),
+        None => Ok(()),
+    }
 }
 
 /// Prints the warnings, each on a line.

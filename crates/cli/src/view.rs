@@ -10,7 +10,7 @@ use midway_scene::{Camera, Scene};
 use midway_view::{Address, Server, Session, Start, ViewError, nothing};
 
 use crate::{
-    args::ViewArgs,
+    args::{RootArg, ViewArgs},
     console,
     interrupt::Interrupt,
     scene_file,
@@ -28,10 +28,13 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
     let interrupt = Interrupt::install()?;
     let (mut scene, variants, name) = match &args.scene {
         Some(path) => {
-            let (scene, variants) = load(path, args.variant.as_deref())?;
+            let (scene, variants) = load(path, &args.root, args.variant.as_deref())?;
             (scene, variants, path.file_name().unwrap_or_default().to_string_lossy().into_owned())
         }
-        None => (nothing(), Variants::default(), "no scene".to_owned()),
+        None => {
+            scene_file::refuse_root(&args.root)?;
+            (nothing(), Variants::default(), "no scene".to_owned())
+        }
     };
     let taken = |name: &String| Some(name) == args.variant.as_ref();
     let variant = variants.names().iter().position(taken).map(|index| index as u32);
@@ -65,8 +68,8 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
     Ok(Status::Success)
 }
 
-fn load(path: &Path, variant: Option<&str>) -> Outcome<(Scene, Variants)> {
-    let loaded = scene_file::load_variant(path, variant)?;
+fn load(path: &Path, root: &RootArg, variant: Option<&str>) -> Outcome<(Scene, Variants)> {
+    let loaded = scene_file::load_variant(path, root, variant)?;
     scene_file::print_warnings(&loaded.warnings());
     Ok((loaded.scene, loaded.variants))
 }

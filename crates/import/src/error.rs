@@ -74,15 +74,28 @@ pub enum ImportError {
         /// Which rule.
         problem: String,
     },
-    /// A reference to a file that is not under the scene's folder.
+    /// A reference to a file that does not lie in the folder that may be read: the scene's own, or
+    /// [`crate::Options::root`].
     #[error(
-        "{place}: \"{uri}\" leaves the scene's folder, which is not allowed; move the file into the folder"
+        "{place}: \"{uri}\" lies outside the folder that the scene's files may come from; \
+         move the file there, or allow a folder that holds both"
     )]
     UnsafePath {
         /// Where it is referred to.
         place: Place,
         /// The reference.
         uri: String,
+    },
+    /// The scene itself does not lie in [`crate::Options::root`].
+    #[error(
+        "{}: does not lie in {}, the folder that its files may come from; name one that holds the scene",
+        path.display(), root.display()
+    )]
+    OutsideRoot {
+        /// The scene, as given.
+        path: PathBuf,
+        /// The folder, as given.
+        root: PathBuf,
     },
     /// A reference to another machine.
     #[error("{place}: \"{uri}\" is on a network, from which nothing is read; save it in the scene's folder")]

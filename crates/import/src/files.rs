@@ -1,11 +1,11 @@
-//! Reading files, from inside the scene's folder only.
+//! Reading files, from inside one folder only: the scene's own, or one that holds it.
 
 use std::{
     borrow::Cow,
     collections::HashMap,
     fs, io,
     io::Read,
-    path::{Component, Path, PathBuf},
+    path::{self, Component, Path, PathBuf},
     sync::Arc,
 };
 
@@ -60,32 +60,51 @@ fn read_open(path: &Path, file: fs::File, limit: u64) -> Result<Vec<u8>, ImportE
     Ok(bytes)
 }
 
-/// The folder that holds a scene: what the scene refers to has to be in it.
+/// The folder that a scene's references start from, and the one that they may not leave.
 pub(crate) struct SceneFolder {
+    /// Where the scene is; canonical.
+    folder: PathBuf,
+    /// What has to hold every file; canonical.
     root: PathBuf,
+    /// The same as it was named, absolute: it may lead through links.
+    root_as_named: PathBuf,
     /// By canonical path: a file that is referred to often is held once.
     buffers: HashMap<PathBuf, Arc<[u8]>>,
 }
 
 impl SceneFolder {
-    pub fn of(scene: &Path) -> Result<Self, ImportError> {
+    /// Of a scene whose files lie in `root`, by default in its own folder.
+    ///
+    /// # Errors
+    ///
+    /// [`ImportError::OutsideRoot`] where the scene does not lie there itself.
+    pub fn of(scene: &Path, root: Option<&Path>) -> Result<Self, ImportError> {
         let parent = match scene.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
-        let root = parent
-            .canonicalize()
-            .map_err(|source| ImportError::Unreadable { path: parent.to_owned(), source })?;
-        Ok(Self { root, buffers: HashMap::new() })
+        let folder = canonical(parent, scene)?;
+        let named = root.unwrap_or(parent);
+        let root = canonical(named, named)?;
+        if !folder.starts_with(&root) {
+            return Err(ImportError::OutsideRoot { path: scene.to_owned(), root: named.to_owned() });
+        }
+        let root_as_named = path::absolute(named).unwrap_or_else(|_| root.clone());
+        Ok(Self { folder, root, root_as_named, buffers: HashMap::new() })
     }
 
-    /// Where a file in the folder is, by a relative path that is not percent-encoded.
+    /// Whether an absolute path, of whatever system, is one of a file that may be read.
+    pub fn holds(&self, absolute: &str) -> bool {
+        self.find(absolute, &Place::default()).is_ok()
+    }
+
+    /// Where a file in the folder is, by a path that is not percent-encoded.
     pub fn find(&self, name: &str, place: &Place) -> Result<PathBuf, ImportError> {
         refuse_scheme(name, place)?;
         self.resolve(name, place)
     }
 
-    /// A file in the folder, by a relative path that is not percent-encoded.
+    /// A file in the folder, by a path that is not percent-encoded.
     pub fn read_bytes(&mut self, name: &str, place: &Place) -> Result<Arc<[u8]>, ImportError> {
         let path = self.find(name, place)?;
         self.read_once(path)
@@ -115,32 +134,21 @@ impl SceneFolder {
         read_open(&path, open(&path)?, MAX_BUFFER_BYTES)
     }
 
-    /// A text file in the folder, by a relative path that is not percent-encoded.
+    /// A text file in the folder, by a path that is not percent-encoded.
     pub fn read_text(&self, name: &str, place: &Place) -> Result<Vec<u8>, ImportError> {
         let path = self.find(name, place)?;
         read_open(&path, open(&path)?, MAX_TEXT_BYTES)
     }
 
-    /// The canonical path of a file in the folder: neither `..` nor links lead out of it.
-    fn resolve(&self, relative: &str, place: &Place) -> Result<PathBuf, ImportError> {
-        let refused = || ImportError::UnsafePath { place: place.clone(), uri: shortened(relative) };
-        let mut path = self.root.clone();
-        let mut depth = 0usize;
-        for component in Path::new(relative).components() {
-            match component {
-                Component::Normal(name) => {
-                    path.push(name);
-                    depth += 1;
-                }
-                Component::CurDir => {}
-                Component::ParentDir => {
-                    depth = depth.checked_sub(1).ok_or_else(refused)?;
-                    path.pop();
-                }
-                Component::RootDir | Component::Prefix(_) => return Err(refused()),
-            }
+    /// The canonical path of a file in the folder: neither `..` nor links lead out of it. What lies
+    /// outside by its name alone is not looked at.
+    fn resolve(&self, reference: &str, place: &Place) -> Result<PathBuf, ImportError> {
+        let refused = || ImportError::UnsafePath { place: place.clone(), uri: shortened(reference) };
+        let missing = || ImportError::MissingBuffer { place: place.clone(), uri: shortened(reference) };
+        let path = self.absolute(Path::new(reference));
+        if !path.starts_with(&self.root) && !path.starts_with(&self.root_as_named) {
+            return Err(refused());
         }
-        let missing = || ImportError::MissingBuffer { place: place.clone(), uri: shortened(relative) };
         let path = match path.canonicalize() {
             Ok(path) => path,
             Err(source) if source.kind() == io::ErrorKind::PermissionDenied => {
@@ -153,6 +161,29 @@ impl SceneFolder {
         }
         if path.is_file() { Ok(path) } else { Err(missing()) }
     }
+
+    /// A reference from the scene's folder, without `.` and `..`.
+    fn absolute(&self, reference: &Path) -> PathBuf {
+        let mut path = self.folder.clone();
+        for component in reference.components() {
+            match component {
+                Component::CurDir => {}
+                Component::ParentDir => {
+                    path.pop();
+                }
+                // One that is absolute takes the place of all before it.
+                Component::Normal(_) | Component::RootDir | Component::Prefix(_) => path.push(component),
+            }
+        }
+        path
+    }
+}
+
+fn canonical(folder: &Path, named: &Path) -> Result<PathBuf, ImportError> {
+    folder.canonicalize().map_err(|source| match source.kind() {
+        io::ErrorKind::NotFound => ImportError::NotFound { path: named.to_owned() },
+        _ => ImportError::Unreadable { path: folder.to_owned(), source },
+    })
 }
 
 /// The path that a relative URI stands for.
@@ -191,7 +222,7 @@ pub(crate) fn decode_data(data: &str, place: &Place) -> Result<Vec<u8>, ImportEr
     engine.decode(&unescaped).map_err(|e| malformed(&format!("a data URI's base64 does not decode ({e})")))
 }
 
-/// Only relative references are followed.
+/// Only references to files of this machine are followed.
 fn refuse_scheme(uri: &str, place: &Place) -> Result<(), ImportError> {
     let refuse = |network: bool| {
         let (place, uri) = (place.clone(), shortened(uri));
@@ -212,7 +243,10 @@ fn refuse_scheme(uri: &str, place: &Place) -> Result<(), ImportError> {
     if !is_scheme {
         return Ok(());
     }
-    // One letter is a Windows drive.
+    // One letter is a drive.
+    if cfg!(windows) && scheme.len() == 1 {
+        return Ok(());
+    }
     refuse(scheme.len() > 1 && !scheme.eq_ignore_ascii_case("file"))
 }
 

@@ -1,8 +1,9 @@
 //! Readers of scene files, one per format, with structured warnings.
 //!
 //! A file is not trusted: every offset, count and index is checked against what the file holds,
-//! references stay inside the scene's folder, and nothing is fetched from a network. What the file
-//! says and the scene cannot hold is listed in [`Import::warnings`], each kind of thing once.
+//! references stay inside the scene's folder (or [`Options::root`]), and nothing is fetched from a
+//! network. What the file says and the scene cannot hold is listed in [`Import::warnings`], each kind
+//! of thing once.
 //!
 //! ```no_run
 //! let import = midway_import::load("scenes/cornell-box.gltf".as_ref())?;
@@ -13,6 +14,7 @@
 //! # Ok::<(), midway_import::ImportError>(())
 //! ```
 
+mod disney;
 mod environment;
 mod error;
 mod files;
@@ -21,6 +23,7 @@ mod gltf;
 mod images;
 mod metals;
 mod mitsuba;
+mod mixture;
 mod obj;
 mod pbrt;
 mod ply;
@@ -28,11 +31,12 @@ mod spectrum;
 mod variants;
 mod warning;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use midway_scene::{Camera, Material, Scene, Surface};
 
+use files::SceneFolder;
 use warning::Warnings;
 
 pub use environment::load_environment;
@@ -47,13 +51,24 @@ pub const FORMATS: &str =
 /// What is said of a scene without lights.
 pub const NO_LIGHT: &str = "nothing emits light: the image will be black";
 
+/// How a scene is read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Take the materials of the variant of that name (`KHR_materials_variants`); without one, those
+    /// that the file has by default.
+    pub variant: Option<String>,
+    /// The folder that everything the scene refers to has to lie in, and the scene itself; without
+    /// one, the scene's own folder. Neither `..` nor links lead out of it.
+    pub root: Option<PathBuf>,
+}
+
 /// A scene as read, and what was left out of it.
 #[derive(Clone, Debug)]
 pub struct Import {
     /// Valid: [`Scene::validate`] has passed. Has at least one camera, framed on the bounds where
     /// the file has none.
     pub scene: Scene,
-    /// The file's variants of materials (`KHR_materials_variants`), of which [`load_variant`] takes one.
+    /// The file's variants of materials, of which [`Options::variant`] takes one.
     pub variants: Variants,
     /// What the file says and the scene does not.
     pub warnings: Vec<Warning>,
@@ -65,41 +80,32 @@ pub struct Import {
 ///
 /// [`ImportError`], one clear line: what is wrong, where, and what to do.
 pub fn load(path: &Path) -> Result<Import, ImportError> {
-    load_variant(path, None)
-}
-
-/// Like [`load`], with the materials of the variant of that name; without one, those that the file
-/// has by default.
-///
-/// # Errors
-///
-/// [`ImportError::UnknownVariant`] where there is no such variant, else as [`load`].
-pub fn load_variant(path: &Path, variant: Option<&str>) -> Result<Import, ImportError> {
-    let (loaded, warnings) = load_with_warnings(path, variant);
+    let (loaded, warnings) = load_with(path, &Options::default());
     loaded.map(|(scene, variants)| Import { scene, variants, warnings })
 }
 
-/// Like [`load_variant`], with the warnings that there were before the error where there is one.
-pub fn load_with_warnings(
-    path: &Path,
-    variant: Option<&str>,
-) -> (Result<(Scene, Variants), ImportError>, Vec<Warning>) {
+/// Like [`load`], as the options say, with the warnings that there were before the error where there
+/// is one. A variant that the file has not is [`ImportError::UnknownVariant`], a root that does not
+/// hold the scene [`ImportError::OutsideRoot`].
+pub fn load_with(path: &Path, options: &Options) -> (Result<(Scene, Variants), ImportError>, Vec<Warning>) {
     let mut warnings = Warnings::default();
-    let loaded = load_complete(path, variant, &mut warnings);
+    let loaded = load_complete(path, options, &mut warnings);
     (loaded, warnings.into_list())
 }
 
 fn load_complete(
     path: &Path,
-    variant: Option<&str>,
+    options: &Options,
     warnings: &mut Warnings,
 ) -> Result<(Scene, Variants), ImportError> {
+    let folder = SceneFolder::of(path, options.root.as_deref())?;
+    let variant = options.variant.as_deref();
     let (mut scene, variants) = if is_gltf(path)? {
-        gltf::load(path, variant, warnings)?
+        gltf::load(path, folder, variant, warnings)?
     } else if let Some(name) = variant {
         return Err(ImportError::unknown_variant(path, name, Vec::new()));
     } else {
-        (read(path, warnings)?, Variants::default())
+        (read(path, folder, warnings)?, Variants::default())
     };
     complete(path, &mut scene, warnings)?;
     Ok((scene, variants))
@@ -119,12 +125,12 @@ fn is_gltf(path: &Path) -> Result<bool, ImportError> {
 }
 
 /// A scene of any format but glTF.
-fn read(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
+fn read(path: &Path, folder: SceneFolder, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     match extension_of(path).as_deref() {
-        Some("obj") => obj::load(path, warnings),
-        Some("pbrt") => pbrt::load(path, warnings),
+        Some("obj") => obj::load(path, folder, warnings),
+        Some("pbrt") => pbrt::load(path, folder, warnings),
         Some("ply") => ply::load(path, warnings),
-        Some("xml") => mitsuba::load(path, warnings),
+        Some("xml") => mitsuba::load(path, folder, warnings),
         _ => Err(ImportError::UnsupportedFormat { path: path.to_owned() }),
     }
 }

@@ -41,7 +41,7 @@ impl Variants {
         &self.names
     }
 
-    /// The material of each of the scene's meshes, as [`crate::load_variant`] gives it, by a variant's place
+    /// The material of each of the scene's meshes, as [`crate::Options::variant`] gives it, by a variant's place
     /// among the names, or those that the file has by default. A mapping that is damaged leaves a primitive
     /// its own; it is among the warnings. None where there is no such variant, or none at all.
     pub fn materials(&self, variant: Option<u32>) -> Option<Vec<u32>> {

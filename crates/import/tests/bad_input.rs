@@ -2,10 +2,11 @@
 
 mod common;
 
-use std::{fs, time::Instant};
+use std::{fs, path::Path, time::Instant};
 
 use common::{Folder, data_uri, glb, load_bytes, load_json, triangle, triangle_bytes, triangle_with};
-use midway_import::{ImportError, load};
+use midway_import::{ImportError, Options, load, load_with};
+use midway_scene::Scene;
 use serde_json::{Value, json};
 
 /// Asserts the kind of an error, and that its line says these words.
@@ -151,6 +152,14 @@ fn vertices_that_are_no_numbers() {
 }
 
 #[test]
+fn vertices_too_far_away() {
+    for (x, y) in [("1e38", "0"), ("-1e38", "1e38"), ("3e38", "-3e38"), ("1e19", "0")] {
+        let obj = load_bytes("scene.obj", format!("v {x} 0 0\nv 1 {y} 0\nv 0 1 0\nf 1 2 3\n"));
+        assert_error!(obj, ImportError::InvalidScene { .. }, "scene.obj", "from its origin");
+    }
+}
+
+#[test]
 fn network_uris_are_not_followed() {
     for uri in ["http://example.org/a.bin", "HTTPS://example.org/a.bin", "//example.org/a.bin", "ftp://a/b"] {
         let result = load_json(&triangle_with("/buffers/0/uri", json!(uri)));
@@ -195,6 +204,69 @@ fn links_do_not_lead_outside() {
         let document = triangle_with("/buffers/0/uri", json!(uri));
         let scene = folder.write("scenes/scene.gltf", document.to_string());
         assert_error!(load(&scene), ImportError::UnsafePath { .. }, uri);
+    }
+}
+
+fn load_under(root: &Path, scene: &Path) -> Result<Scene, ImportError> {
+    let options = Options { root: Some(root.to_owned()), ..Options::default() };
+    load_with(scene, &options).0.map(|(scene, _)| scene)
+}
+
+#[test]
+fn files_anywhere_in_a_root_are_read_and_none_outside_of_it() {
+    let folder = Folder::new();
+    folder.write("root/buffers/a.bin", triangle_bytes());
+    folder.write("outside.bin", triangle_bytes());
+    let root = folder.path("root");
+    let absolute = folder.path("root/buffers/a.bin").display().to_string();
+    let outside = folder.path("outside.bin").display().to_string();
+    let scene = |uri: &str| {
+        let document = triangle_with("/buffers/0/uri", json!(uri));
+        folder.write("root/scenes/scene.gltf", document.to_string())
+    };
+    for uri in ["../buffers/a.bin", "%2e%2e/buffers/a.bin", "../../root/buffers/a.bin", &absolute] {
+        assert_error!(load(&scene(uri)), ImportError::UnsafePath { .. }, "a.bin", "allow a folder");
+        load_under(&root, &scene(uri)).unwrap_or_else(|e| panic!("{e}"));
+    }
+    let uris = ["../../outside.bin", "..%2F../outside.bin", &outside, "../../none.bin", "/none.bin"];
+    for uri in uris.into_iter().chain([&*format!("file://{absolute}")]) {
+        assert_error!(load_under(&root, &scene(uri)), ImportError::UnsafePath { .. }, ".bin");
+    }
+    assert_error!(load_under(&root, &scene("http://a.org/a")), ImportError::NetworkUri { .. }, "a.org");
+    assert_error!(load_under(&root, &scene("../none.bin")), ImportError::MissingBuffer { .. }, "none.bin");
+}
+
+#[test]
+fn a_scene_lies_in_its_root() {
+    let folder = Folder::new();
+    let scene = folder.write("scenes/scene.gltf", triangle().to_string());
+    fs::create_dir(folder.path("other")).unwrap();
+    for root in ["other", "scenes/scene.gltf"] {
+        let result = load_under(&folder.path(root), &scene);
+        assert_error!(result, ImportError::OutsideRoot { .. }, "scene.gltf", root, "name one that holds");
+    }
+    assert_error!(load_under(&folder.path("none"), &scene), ImportError::NotFound { .. }, "none: no such");
+    load_under(folder.0.path(), &scene).unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn links_lead_to_the_root_and_not_out_of_a_root() {
+    use std::os::unix::fs::symlink;
+    let folder = Folder::new();
+    folder.write("outside.bin", triangle_bytes());
+    folder.write("root/a.bin", triangle_bytes());
+    symlink(folder.path("outside.bin"), folder.path("root/link.bin")).unwrap();
+    symlink(folder.path("root"), folder.path("alias")).unwrap();
+    let alias = folder.path("alias");
+    let by_alias = alias.join("a.bin").display().to_string();
+    for (uri, is_read) in [("../link.bin", false), ("../a.bin", true), (&by_alias, true)] {
+        let document = triangle_with("/buffers/0/uri", json!(uri));
+        folder.write("root/scenes/scene.gltf", document.to_string());
+        match load_under(&alias, &alias.join("scenes/scene.gltf")) {
+            Err(ImportError::UnsafePath { .. }) => assert!(!is_read, "{uri}"),
+            result => assert!(is_read && result.is_ok(), "{uri}: {result:?}"),
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use std::{
 
 use common::{Folder, glb, image_bytes, textured, triangle, triangle_bytes};
 use image::ImageFormat;
-use midway_import::load_with_warnings;
+use midway_import::{Options, load_with};
 use serde_json::{Value, json};
 
 /// What a damaged small file may take, beside other tests.
@@ -73,7 +73,7 @@ fn survive(name: &str, seeds: &[Vec<u8>], files: impl Fn(&[u8]) -> Vec<(&'static
         let keep = env::temp_dir().join(format!("midway-damaged-{name}"));
         fs::write(&keep, &bytes).unwrap();
         let call = Instant::now();
-        let (result, _) = load_with_warnings(&paths[0], None);
+        let (result, _) = load_with(&paths[0], &Options::default());
         assert!(call.elapsed() <= SLOWEST, "{} took {:?}", keep.display(), call.elapsed());
         match result {
             Ok(_) => n_loaded += 1,

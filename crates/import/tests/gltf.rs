@@ -110,6 +110,39 @@ fn glass_thick_and_thin() {
     assert!(sigma_a.z > 5.0 && sigma_a.z.is_finite());
 }
 
+/// glTF 2.0: base colour, metallic and roughness factors of 1.
+#[test]
+fn primitives_without_a_material_have_gltfs_own() {
+    let mut document = triangle();
+    document["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("material");
+    let import = import(&document);
+    let found = &import.scene.materials[import.scene.meshes[0].material as usize];
+    let empty = material(json!({})).0;
+    assert_eq!((&found.surface, found.emits, found.scatters), (&empty.surface, empty.emits, empty.scatters));
+    let white = ConductorFresnel::Schlick { f0: Vec3::ONE.into() };
+    assert!(matches!(&found.surface, Surface::Conductor { fresnel, .. } if *fresnel == white));
+    let of_scene = |w: &&midway_import::Warning| w.kind != WarningKind::NoLight;
+    assert_eq!(import.warnings.iter().find(of_scene), None);
+}
+
+/// `KHR_materials_ior`: with 0 the dielectric's F0 is 1, times what `KHR_materials_specular` says.
+#[test]
+fn an_index_of_0_reflects_by_the_specular_colour_alone() {
+    let read = |transmission: f32| {
+        let extensions = json!({
+            "KHR_materials_ior": {"ior": 0},
+            "KHR_materials_transmission": {"transmissionFactor": transmission},
+            "KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [0.8, 0.4, 0.2]}});
+        material(json!({"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": extensions}))
+    };
+    let (found, warnings) = read(0.0);
+    let Surface::MetallicRoughness(model) = found.surface else { panic!() };
+    let f0 = ((model.ior - 1.0) / (model.ior + 1.0)).powi(2) * model.specular_color.value;
+    assert!((f0 - vec3(0.8, 0.4, 0.2)).abs().max_element() <= 1e-6, "{f0}");
+    assert_eq!((model.specular.value, warnings), (0.5, vec![]));
+    assert_eq!(read(1.0).1, [WarningKind::Approximation]);
+}
+
 #[test]
 fn glass_that_disperses() {
     let glass = |dispersion: f32, volume: Value, transmission: Value| {

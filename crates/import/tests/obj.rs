@@ -4,7 +4,7 @@ mod common;
 
 use common::{Folder, image_bytes, load_bytes};
 use glam::{Vec3, vec2, vec3, vec4};
-use midway_import::{Import, WarningKind, load};
+use midway_import::{Import, Options, WarningKind, load, load_with};
 use midway_scene::{
     Channel, ConductorFresnel, Material, MetallicRoughness, Opacity, Roughness, Sides, Surface, Texels, Wrap,
 };
@@ -43,6 +43,34 @@ fn a_line_may_name_several_libraries_by_any_slash() {
     let scene = folder.write("scene.obj", format!("mtllib b.mtl e.mtl\n{FOLDED}{faces}"));
     let warnings: Vec<String> = load(&scene).unwrap().warnings.iter().map(|w| w.message.clone()).collect();
     assert!(warnings.iter().any(|warning| warning.contains("\"e.mtl\" does not exist")), "{warnings:?}");
+}
+
+/// Exporters write their author's folders: an absolute path is that of a file which may be read, or else
+/// only the name counts.
+#[test]
+fn absolute_paths_lead_to_files_in_the_root_and_others_to_the_file_of_that_name() {
+    let folder = Folder::new();
+    let picture = image_bytes(&[[255, 0, 0, 255]], 1, image::ImageFormat::Png);
+    folder.write("textures/a.png", &picture);
+    folder.write("scenes/b.png", &picture);
+    let absolute = |name: &str| folder.path(name).display().to_string();
+    let maps = |a: &str, b: &str| format!("newmtl m\nmap_Kd {a}\nmap_Ks {b}\nKd 1\nKs 0.1\nNs 9\n");
+    let (a, b) = (absolute("textures/a.png"), "/home/author/b.png");
+    folder.write("materials/m.mtl", maps(&a, "../textures/a.png"));
+    folder.write("scenes/m.mtl", maps("C:\\author\\b.png", b));
+    let faces = format!("{FOLDED}usemtl m\nf 1 2 3\n");
+    let options = Options { root: Some(folder.0.path().to_owned()), ..Options::default() };
+    for library in [absolute("materials/m.mtl"), "/home/author/m.mtl".into(), "C:\\author\\m.mtl".into()] {
+        let scene = folder.write("scenes/scene.obj", format!("mtllib {library}\n{faces}"));
+        let (result, warnings) = load_with(&scene, &options);
+        let images = result.unwrap_or_else(|e| panic!("{e}")).0.images;
+        assert!(images.iter().all(|image| image.texels.len() == 1), "{images:?}");
+        assert!(!warnings.iter().any(|w| w.kind == WarningKind::MissingFile), "{library}: {warnings:?}");
+    }
+    // Without the root it is the one beside the scene.
+    let scene = folder.write("scenes/scene.obj", format!("mtllib {}\n{faces}", absolute("materials/m.mtl")));
+    let names: Vec<String> = load(&scene).unwrap().scene.images.iter().map(|i| i.name.clone()).collect();
+    assert!(names.iter().all(|name| name == "b.png"), "{names:?}");
 }
 
 #[test]

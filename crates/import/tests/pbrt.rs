@@ -412,6 +412,48 @@ fn materials_of_version_4() {
     assert_eq!(sigma_a, vec3(2.0, 4.0, 6.0));
 }
 
+/// Version 4 looks names up when all of the file is read.
+#[test]
+fn materials_may_be_named_before_they_are_defined() {
+    let folder = Folder::new();
+    folder.write("a.png", png(1, 1, &[[255; 3]]));
+    let image = "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\"";
+    let read = |shapes: &str, definitions: &str| {
+        let text = format!("{HANDED}WorldBegin\n{shapes}\n{TRIANGLE}\n{image}\n{definitions}");
+        let import = load(&folder.write("scene.pbrt", text)).unwrap_or_else(|e| panic!("{e}"));
+        let found = kinds(&import);
+        (import, found)
+    };
+    let red = "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [1 0 0]";
+    let black = "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [0 0 0]";
+    let (import, warnings) = read("NamedMaterial \"a\"", red);
+    assert_eq!((used(&import.scene).surface, warnings), (Surface::diffuse(Vec3::X), vec![]));
+    assert_eq!(used(&import.scene).name, "a");
+
+    let textured = "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"texture reflectance\" \"i\"";
+    let (import, warnings) = read("NamedMaterial \"a\"", textured);
+    assert_eq!((import.scene.meshes[0].uvs[0].len(), warnings), (3, vec![]));
+
+    // A lamp keeps its light, and one on what is not there has none.
+    let lamp = "NamedMaterial \"a\" AreaLightSource \"diffuse\" \"rgb L\" [1 2 3]";
+    let (import, _) = read(lamp, red);
+    assert_eq!(used(&import.scene).emission, vec3(1.0, 2.0, 3.0).into());
+    let (import, _) = read(lamp, "MakeNamedMaterial \"a\" \"string type\" \"interface\"");
+    assert!(!used(&import.scene).is_emissive());
+
+    let mix = |name: &str, a: &str, b: &str| {
+        format!("MakeNamedMaterial \"{name}\" \"string type\" \"mix\" \"string materials\" [\"{a}\" \"{b}\"]")
+    };
+    let definitions = format!("{}\n{}\n{black}\n{red}", mix("n", "m", "b"), mix("m", "a", "b"));
+    let (import, warnings) = read("NamedMaterial \"n\"", &definitions);
+    assert_eq!((used(&import.scene).surface, warnings), (Surface::diffuse(Vec3::X / 4.0), vec![]));
+
+    // What never comes, and what comes of itself.
+    let (import, warnings) = read("NamedMaterial \"a\"", "");
+    assert_eq!((used(&import.scene).surface, warnings.len()), (Surface::diffuse(Vec3::splat(0.8)), 1));
+    read("NamedMaterial \"a\"", &mix("a", "a", "b"));
+}
+
 #[test]
 fn materials_of_version_3() {
     let read = |text: &str| {
@@ -518,6 +560,126 @@ fn textures() {
     let missing = load_with("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"none.png\"");
     assert_eq!(kinds(&missing), [WarningKind::MissingFile]);
     assert_eq!(kinds(&load_with("")), [WarningKind::Texture]);
+}
+
+#[test]
+fn images_that_lie_alike_mix_and_multiply() {
+    let folder = Folder::new();
+    folder.write("a.png", png(2, 1, &[[51; 3], [255; 3]]));
+    folder.write("b.png", png(1, 1, &[[102; 3]]));
+    let read = |texture: &str, scale: f32| {
+        let image = |kind: &str, name: &str, scale: f32| {
+            format!(
+                "Texture \"{kind}-{name}\" \"{kind}\" \"imagemap\" \"string filename\" \"{name}.png\" \
+                 \"string encoding\" \"linear\" \"float uscale\" {scale}\n"
+            )
+        };
+        let images = image("spectrum", "a", 1.0) + &image("spectrum", "b", scale) + &image("float", "a", 1.0);
+        let material = "Material \"diffuse\" \"texture reflectance\" \"t\"";
+        let text = format!(
+            "{HANDED}WorldBegin\n{images}Texture \"t\" \"spectrum\" {texture}\n{material}\n{TRIANGLE}"
+        );
+        let import = load(&folder.write("scene.pbrt", text)).unwrap_or_else(|e| panic!("{e}"));
+        let Surface::Diffuse { reflectance } = used(&import.scene).surface else { panic!() };
+        let texels = &import.scene.images[reflectance.texture.as_ref().unwrap().image as usize].texels;
+        let values: Vec<f32> = (0..texels.len()).map(|i| reflectance.value.x * texels.linear(i)[0]).collect();
+        (values, kinds(&import))
+    };
+    let product = "\"scale\" \"texture tex1\" \"spectrum-a\" \"texture tex2\" \"spectrum-b\"";
+    let by_number = "\"scale\" \"texture tex\" \"spectrum-b\" \"texture scale\" \"float-a\"";
+    let mix = "\"mix\" \"texture tex1\" \"spectrum-a\" \"texture tex2\" \"spectrum-b\" \"float amount\" .5";
+    let by_image =
+        "\"mix\" \"texture tex1\" \"spectrum-a\" \"rgb tex2\" [2 2 2] \"texture amount\" \"float-a\"";
+    for (texture, expected) in
+        [(product, [0.08, 0.4]), (by_number, [0.08, 0.4]), (mix, [0.3, 0.7]), (by_image, [0.56, 2.0])]
+    {
+        let (values, warnings) = read(texture, 1.0);
+        let near = values.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-4) && values.len() == 2;
+        assert!(near, "{texture}: {values:?}");
+        // Twice the light is cut.
+        let cut = if texture == by_image { vec![WarningKind::Repaired] } else { vec![] };
+        assert_eq!(warnings, cut, "{texture}");
+    }
+    for texture in [product, mix] {
+        assert_eq!(read(texture, 2.0).1, [WarningKind::Approximation], "{texture}");
+    }
+}
+
+/// A factor above 1 is for dark images: it counts where the product is below 1, and what is cut is said.
+#[test]
+fn textures_keep_factors_above_1() {
+    let folder = Folder::new();
+    folder.write("dark.png", png(2, 1, &[[20; 3], [60; 3]]));
+    folder.write("light.png", png(2, 1, &[[20; 3], [250; 3]]));
+    let read = |texture: &str| {
+        let material = "Material \"diffuse\" \"texture reflectance\" \"t\"";
+        let image =
+            "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"dark.png\" \"float scale\" .5";
+        let text = format!("{HANDED}WorldBegin\n{image}\n{texture}\n{material}\n{TRIANGLE}");
+        let import = load(&folder.write("scene.pbrt", text)).unwrap();
+        let Surface::Diffuse { reflectance } = used(&import.scene).surface else { panic!() };
+        (reflectance.value.x, reflectance.texture.is_some(), kinds(&import))
+    };
+    let image = |file: &str, scale: f32| {
+        format!(
+            "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"{file}\" \"float scale\" {scale}"
+        )
+    };
+    let constant = |value: f32| {
+        format!("Texture \"c\" \"spectrum\" \"constant\" \"rgb value\" [{value} {value} {value}]")
+    };
+    let product = |tex: &str, scale: f32| {
+        format!("Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"{tex}\" \"float scale\" {scale}")
+    };
+    for (texture, value, is_image, warnings) in [
+        (image("dark.png", 4.0), 4.0, true, vec![]),
+        (image("light.png", 4.0), 4.0, true, vec![WarningKind::Repaired]),
+        (product("i", 6.0), 3.0, true, vec![]),
+        (format!("{}\n{}", constant(4.0), product("c", 0.125)), 0.5, false, vec![]),
+        (format!("{}\n{}", constant(0.25), product("c", 2.0)), 0.5, false, vec![]),
+        (format!("{}\n{}", constant(0.75), product("c", 2.0)), 1.0, false, vec![WarningKind::Repaired]),
+    ] {
+        assert_eq!(read(&texture), (value, is_image, warnings), "{texture}");
+    }
+    let import = world("Material \"diffuse\" \"rgb reflectance\" [1.5 .5 .5]");
+    assert_eq!(used(&import.scene).surface, Surface::diffuse(vec3(1.0, 0.5, 0.5)));
+    assert_eq!(kinds(&import), [WarningKind::Repaired]);
+    let alpha = "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"dark.png\" \"float scale\" 4";
+    let text = format!("{HANDED}WorldBegin\n{alpha}\n{TRIANGLE} \"texture alpha\" \"a\"");
+    let import = load(&folder.write("scene.pbrt", text)).unwrap();
+    assert!(matches!(used(&import.scene).opacity, Opacity::Blend(input) if input.value == 4.0));
+}
+
+#[test]
+fn images_mix_materials_and_shine_on_cloth() {
+    let folder = Folder::new();
+    folder.write("a.png", png(2, 1, &[[0; 3], [51; 3]]));
+    let read = |text: &str| {
+        let image = "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \"string encoding\" \"linear\"";
+        let text = format!("{HANDED}WorldBegin\n{image}\n{text}\n{TRIANGLE}");
+        let import = load(&folder.write("scene.pbrt", text)).unwrap_or_else(|e| panic!("{e}"));
+        let texels = &import.scene.images.last().unwrap().texels;
+        let texels: Vec<f32> = (0..texels.len()).map(|i| texels.linear(i)[0]).collect();
+        (used(&import.scene).surface, texels, kinds(&import))
+    };
+    let diffuse = |name: &str, grey: f32| {
+        format!(
+            "MakeNamedMaterial \"{name}\" \"string type\" \"diffuse\" \"rgb reflectance\" [{grey} {grey} {grey}]\n"
+        )
+    };
+    let parts = diffuse("x", 1.0) + &diffuse("y", 0.0);
+    let mix = "Material \"mix\" \"string materials\" [\"x\" \"y\"] \"texture amount\" \"a\"";
+    let (surface, texels, warnings) = read(&format!("{parts}{mix}"));
+    assert!(matches!(surface, Surface::Diffuse { reflectance } if reflectance.texture.is_some()));
+    assert!((texels[0] - 1.0).abs() + (texels[1] - 0.8).abs() <= 1e-4, "{texels:?}");
+    assert_eq!(warnings, []);
+
+    let cloth = "Material \"disney\" \"rgb color\" [0 .5 0] \"texture sheen\" \"a\" \"float sheentint\" 1";
+    let (surface, texels, warnings) = read(cloth);
+    assert!(matches!(surface, Surface::MetallicRoughness(model) if model.sheen_color.texture.is_some()));
+    // Green alone, of luminance 1.
+    assert_eq!(texels, [0.0, 0.0]);
+    assert_eq!(warnings, [WarningKind::Approximation]);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use midway_import::{ImportError, WarningKind, load_with_warnings};
+use midway_import::{ImportError, Options, WarningKind, load_with};
 use serde_json::Value;
 
 /// What the validator calls an error and is let pass, and why.
@@ -189,7 +189,7 @@ fn invalid_assets_are_refused_or_listed_where_they_are() {
     let mut unnamed: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for asset in found {
         let errors = errors_of(&asset);
-        let (scene, warnings) = load_with_warnings(&asset, None);
+        let (scene, warnings) = load_with(&asset, &Options::default());
         let mut places: Vec<String> =
             warnings.iter().filter(|w| w.kind != WarningKind::NoCamera).map(|w| w.place.clone()).collect();
         let mut whole = false;

@@ -2,8 +2,10 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::{Folder, triangle};
-use midway_import::{Import, ImportError, WarningKind, load, load_variant};
+use midway_import::{Import, ImportError, Options, WarningKind, load, load_with};
 use serde_json::{Value, json};
 
 /// Three primitives of three materials, of which the first has two variants besides and the second
@@ -29,9 +31,15 @@ fn document() -> Value {
     document
 }
 
+fn by_name(path: &Path, variant: Option<&str>) -> Result<Import, ImportError> {
+    let (loaded, warnings) =
+        load_with(path, &Options { variant: variant.map(str::to_owned), ..Options::default() });
+    loaded.map(|(scene, variants)| Import { scene, variants, warnings })
+}
+
 fn import(document: &Value, variant: Option<&str>) -> Result<Import, ImportError> {
     let folder = Folder::new();
-    load_variant(&folder.write("scene.gltf", document.to_string()), variant)
+    by_name(&folder.write("scene.gltf", document.to_string()), variant)
 }
 
 fn materials(document: &Value, variant: Option<&str>) -> Vec<u32> {
@@ -108,7 +116,7 @@ fn other_files_and_formats_have_none() {
     assert!(line.ends_with(r#"there is no variant "Day": the file has none"#), "{line}");
     let folder = Folder::new();
     let path = folder.write("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    assert!(matches!(load_variant(&path, Some("Day")), Err(ImportError::UnknownVariant { .. })));
+    assert!(matches!(by_name(&path, Some("Day")), Err(ImportError::UnknownVariant { .. })));
     let variants = load(&path).unwrap().variants;
     assert!(variants.names().is_empty() && variants.materials(None).is_none());
 }

@@ -132,7 +132,8 @@ pub enum Filter {
     Bilinear,
 }
 
-/// A colour: a value, times a texture's RGB where there is one.
+/// A colour: a value, times a texture's RGB where there is one. Of what is at most 1 the product is cut
+/// off there, and the value of one with a texture may be greater.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorInput {
     /// Linear Rec. 709.
@@ -141,7 +142,7 @@ pub struct ColorInput {
     pub texture: Option<Texture>,
 }
 
-/// A number: a value, times one channel of a texture where there is one.
+/// A number: a value, times one channel of a texture where there is one; cut off as a colour is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScalarInput {
     /// The value.

@@ -12,6 +12,9 @@ use crate::{
 /// them with three or four decimals.
 const UNIT_TOLERANCE: f32 = 1e-3;
 
+/// Squares of distances are numbers of 32 bits, with room for the sides of a box and a sphere around it.
+const FARTHEST: f32 = 1e18;
+
 type Checked = Result<(), SceneError>;
 
 impl Scene {
@@ -54,8 +57,11 @@ impl Scene {
             return Err(SceneError::NoTriangles);
         }
         // Meshes and transforms are finite, and are multiplied in f64: no vertex is NaN.
-        check(bounds.diagonal().is_finite(), "the scene", || {
-            "it is larger than a number of 32 bits holds".to_owned()
+        let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        check(farthest <= FARTHEST, "the scene", || {
+            format!(
+                "it reaches {farthest:.1e} from its origin, and no more than {FARTHEST:.0e} can be rendered"
+            )
         })
     }
 }
@@ -131,6 +137,11 @@ fn fraction(what: &str, name: &str, value: Vec3) -> Checked {
     check(holds, what, || format!("its {name}, {value}, is not within 0 and 1"))
 }
 
+/// A value in [0, 1]; that of a texture may be greater: their product is cut off where it is used.
+fn factor(what: &str, name: &str, value: Vec3, is_textured: bool) -> Checked {
+    if is_textured { non_negative(what, name, value) } else { fraction(what, name, value) }
+}
+
 fn validate_material(what: &str, material: &Material, n_images: usize) -> Checked {
     non_negative(what, "emission", material.emission.value)?;
     texture(what, material.emission.texture.as_ref(), n_images)?;
@@ -142,7 +153,7 @@ fn validate_material(what: &str, material: &Material, n_images: usize) -> Checke
         normal_map(what, map, n_images)?;
     }
     let color = |name: &str, input: &ColorInput| {
-        fraction(what, name, input.value)?;
+        factor(what, name, input.value, input.texture.is_some())?;
         texture(what, input.texture.as_ref(), n_images)
     };
     let rough = |input: &Roughness| {
@@ -184,7 +195,7 @@ fn validate_material(what: &str, material: &Material, n_images: usize) -> Checke
 fn validate_metallic_roughness(what: &str, model: &MetallicRoughness, n_images: usize) -> Checked {
     let colors = [("base colour", &model.base_color), ("sheen colour", &model.sheen_color)];
     for (name, input) in colors {
-        fraction(what, name, input.value)?;
+        factor(what, name, input.value, input.texture.is_some())?;
         texture(what, input.texture.as_ref(), n_images)?;
     }
     // May exceed 1 by the extension: the reflectance is clamped where it is used.
@@ -227,7 +238,7 @@ fn bounded_dispersion(what: &str, dispersion: f32) -> Checked {
 }
 
 fn scalar(what: &str, name: &str, input: &ScalarInput, n_images: usize) -> Checked {
-    fraction(what, name, Vec3::splat(input.value))?;
+    factor(what, name, Vec3::splat(input.value), input.texture.is_some())?;
     texture(what, input.texture.as_ref().map(|(texture, _)| texture), n_images)
 }
 

@@ -4,7 +4,8 @@ use std::f32::consts::PI;
 
 use glam::{Mat4, Quat, Vec3, vec3};
 use midway_scene::{
-    Bounds, Camera, Instance, Material, Mesh, Projection, Roughness, Scene, SceneError, Surface,
+    Bounds, Camera, Channel, ColorInput, Image, Instance, Material, Mesh, Opacity, Projection, Roughness,
+    ScalarInput, Scene, SceneError, Surface, Texels, Texture,
 };
 
 fn triangle() -> Mesh {
@@ -84,6 +85,37 @@ fn glass(ior: f32, tint: f32, sigma_a: f32) -> Surface {
         thin: false,
         roughness: Roughness::smooth(),
     }
+}
+
+#[test]
+fn factors_of_textures_may_exceed_1() {
+    let mut scene = scene();
+    let texels = Texels::Linear8([[60; 4]].into());
+    scene.images.push(Image { name: String::new(), width: 1, height: 1, texels });
+    let reflectance = ColorInput { value: Vec3::splat(4.0), texture: Some(Texture::new(0)) };
+    scene.materials[0].surface = Surface::Diffuse { reflectance };
+    scene.materials[0].opacity =
+        Opacity::Blend(ScalarInput { value: 4.0, texture: Some((Texture::new(0), Channel::R)) });
+    scene.validate().unwrap();
+    scene.materials[0].opacity = Opacity::Blend(4.0.into());
+    scene.validate().unwrap_err();
+}
+
+/// Whether alone or with another at the other end.
+#[test]
+fn a_scene_that_is_too_large_is_said_to_be() {
+    for far in [1e19, 1e38, 3e38, -1e38] {
+        for near in [0.0, -far] {
+            let mut scene = scene();
+            scene.meshes[0].positions[1] = vec3(far, 0.0, 0.0);
+            scene.meshes[0].positions[2] = vec3(near, 1.0, 0.0);
+            let line = scene.validate().unwrap_err().to_string();
+            assert!(line.contains("the scene") && line.contains("from its origin"), "{far}: {line}");
+        }
+    }
+    let mut scene = scene();
+    scene.meshes[0].positions[1].x = 1e17;
+    scene.validate().unwrap();
 }
 
 #[test]

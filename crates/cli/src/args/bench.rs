@@ -4,7 +4,10 @@ use std::{path::PathBuf, time::Duration};
 
 use clap::{Args, Subcommand};
 
-use super::values::{duration, positive_f32};
+use super::{
+    RootArg,
+    values::{duration, positive_f32},
+};
 
 /// `midway bench`.
 #[derive(Args, Debug)]
@@ -42,6 +45,9 @@ pub enum Bench {
 pub struct RaysArgs {
     /// The scene, or generated:N for N triangles of bumpy balls.
     pub scene: PathBuf,
+    /// Where its files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// auto, cpu, gpu, or a part of a GPU's name.
     #[arg(long, value_name = "NAME", default_value = "auto")]
     pub device: String,
@@ -94,6 +100,9 @@ pub struct EqualTimeArgs {
     /// The scenes; each is looked at through its first camera.
     #[arg(required = true)]
     pub scenes: Vec<PathBuf>,
+    /// Where their files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// How long each image takes; there are two of each integrator.
     #[arg(long, value_name = "TIME", default_value = "10s", value_parser = duration)]
     pub time: Duration,
@@ -117,6 +126,9 @@ pub struct SamplingArgs {
     /// The scenes; each is looked at through its first camera.
     #[arg(required = true)]
     pub scenes: Vec<PathBuf>,
+    /// Where their files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// Samples of a pixel where samples are equal.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
     pub spp: u64,
@@ -162,6 +174,9 @@ pub struct ScalingArgs {
 pub struct LightsArgs {
     /// Scenes, each looked at through its first camera [default: made ones with --lights]
     pub scenes: Vec<PathBuf>,
+    /// Where their files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// How many lights there are in a made scene.
     #[arg(long, conflicts_with = "scenes", value_name = "LIST", value_delimiter = ',', default_values_t = [1, 10, 100, 1000, 10_000], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub lights: Vec<u32>,
@@ -187,6 +202,9 @@ pub struct LightsArgs {
 pub struct HoldArgs {
     /// The scene; its first camera is moved.
     pub scene: PathBuf,
+    /// Where its files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// How long a frame is to take, in milliseconds.
     #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = positive_f32)]
     pub ms: f32,
@@ -219,6 +237,9 @@ pub struct TablesArgs {
     /// Sponza by one directional light, for the fourth.
     #[arg(long, value_name = "FILE")]
     pub sponza_sun: Option<PathBuf>,
+    /// Where their files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// Trace only what a GPU of this many million rays a second would trace in the time.
     #[arg(long, value_name = "MRAYS", value_parser = positive_f32)]
     pub pace: Option<f32>,
@@ -236,6 +257,9 @@ pub struct IntegratorBenchArgs {
     /// The scenes; each is looked at through its first camera.
     #[arg(required = true)]
     pub scenes: Vec<PathBuf>,
+    /// Where their files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// Only these integrators (path,full,k-step-3)
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values = ["path", "full"])]
     pub only: Vec<String>,
@@ -259,6 +283,9 @@ pub struct BaselineArgs {
     /// The scenes; each is looked at through its first camera.
     #[arg(required = true)]
     pub scenes: Vec<PathBuf>,
+    /// Where their files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// Samples of a pixel.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub spp: u32,

@@ -63,11 +63,23 @@ pub struct CompareArgs {
     pub heatmap: Option<PathBuf>,
 }
 
+/// From where a scene's files may come: of each command that reads a scene.
+#[derive(Args, Debug)]
+pub struct RootArg {
+    /// Let the scene's meshes, images and other files lie anywhere in this folder, which has to hold
+    /// the scene too [default: the scene's own folder]
+    #[arg(long, value_name = "FOLDER", help_heading = "Scene")]
+    pub root: Option<PathBuf>,
+}
+
 /// `midway info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
     /// The scene (.gltf, .glb, .obj, .ply, .pbrt, .xml).
     pub scene: PathBuf,
+    /// Where its files lie.
+    #[command(flatten)]
+    pub root: RootArg,
     /// Take the materials of this variant of the scene's, by its name
     /// [default: the materials that the file shows by itself]
     #[arg(long, value_name = "NAME")]

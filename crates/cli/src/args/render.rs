@@ -4,10 +4,13 @@ use std::{path::PathBuf, time::Duration};
 
 use clap::Args;
 
-use super::values::{
-    AovArg, ColorArg, CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightGroupsArg,
-    LightPathsArg, LightSamplingArg, MisArg, ProgressArg, RngArg, ToneMapArg, Vec3Arg, duration, finite_f32,
-    non_negative_f32, positive_f32, stops,
+use super::{
+    RootArg,
+    values::{
+        AovArg, ColorArg, CropArg, FilterArg, IntegratorArg, JoinArg, JoinChoiceArg, LightGroupsArg,
+        LightPathsArg, LightSamplingArg, MisArg, ProgressArg, RngArg, ToneMapArg, Vec3Arg, duration,
+        finite_f32, non_negative_f32, positive_f32, stops,
+    },
 };
 
 /// `midway render`.
@@ -15,6 +18,9 @@ use super::values::{
 pub struct RenderArgs {
     /// The scene (.gltf, .glb, .obj, .ply, .pbrt, .xml).
     pub scene: PathBuf,
+    /// Where its files lie.
+    #[command(flatten)]
+    pub root: RootArg,
 
     /// Where to write (.exr or .png; the other is written beside it). Given more than once: these
     /// files and no others [default: the scene's name, here]

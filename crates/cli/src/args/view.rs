@@ -4,13 +4,16 @@ use std::{net::IpAddr, path::PathBuf};
 
 use clap::Args;
 
-use super::values::LightGroupsArg;
+use super::{RootArg, values::LightGroupsArg};
 
 /// `midway view`.
 #[derive(Args, Debug)]
 pub struct ViewArgs {
     /// The scene (.gltf, .glb, .obj, .ply, .pbrt, .xml); none: drop one on the page.
     pub scene: Option<PathBuf>,
+    /// Where its files lie.
+    #[command(flatten)]
+    pub root: RootArg,
 
     /// Take the materials of this variant of the scene's, by its name; `midway info` lists them
     /// [default: the materials that the file shows by itself]

@@ -17,7 +17,7 @@ pub fn run(args: &BaselineArgs) -> Outcome {
     let device = open(&args.device)?;
     let mut rows = Vec::new();
     for path in &args.scenes {
-        let bench = Bench::load(&device, path, args.size.size())?;
+        let bench = Bench::load(&device, path, &args.root, args.size.size())?;
         console::note(&format!("scene: {}", bench.name));
         rows.push(measure(&bench, args)?);
     }

@@ -18,7 +18,7 @@ pub fn run(args: &EqualTimeArgs) -> Outcome {
     let device = open(&args.device)?;
     let mut rows = Vec::new();
     for path in &args.scenes {
-        let bench = Bench::load(&device, path, args.size.size())?;
+        let bench = Bench::load(&device, path, &args.root, args.size.size())?;
         console::note(&format!("scene: {}", bench.name));
         measure_scene(&bench, args.time, &args.only, &mut rows)?;
     }

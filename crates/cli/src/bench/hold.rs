@@ -35,7 +35,7 @@ struct Frame {
 /// As the scene or the device says.
 pub fn run(args: &HoldArgs) -> Outcome {
     let device = open(&args.device)?;
-    let bench = Bench::load(&device, &args.scene, args.size.size())?;
+    let bench = Bench::load(&device, &args.scene, &args.root, args.size.size())?;
     let frames = frames(&bench, args)?;
     let mut times: Vec<f64> = frames.iter().map(|frame| frame.seconds * 1e3).collect();
     times.sort_by(f64::total_cmp);

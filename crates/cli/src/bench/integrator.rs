@@ -25,7 +25,7 @@ pub fn run(args: &IntegratorBenchArgs) -> Outcome {
     }
     let mut rows = Vec::new();
     for path in &args.scenes {
-        let bench = Bench::load(&device, path, args.size.size())?;
+        let bench = Bench::load(&device, path, &args.root, args.size.size())?;
         console::note(&format!("scene: {}", bench.name));
         for (name, integrator) in integrators() {
             if args.only.iter().any(|one| one == name) {

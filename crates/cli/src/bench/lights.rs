@@ -9,7 +9,7 @@ use midway_scene::Scene;
 use serde_json::{Value, json};
 
 use super::measured::{Bench, Measured, Until, check_measured, finish, open};
-use crate::{args::LightsArgs, console, status::Outcome};
+use crate::{args::LightsArgs, console, scene_file, status::Outcome};
 
 /// Puts so many lights into a scene.
 type AddLights = fn(&mut Scene, u32);
@@ -22,10 +22,13 @@ const TRIANGLES: u32 = 1 << 20;
 /// # Errors
 /// As the scene or the device says.
 pub fn run(args: &LightsArgs) -> Outcome {
+    if args.scenes.is_empty() {
+        scene_file::refuse_root(&args.root)?;
+    }
     let device = open(&args.device)?;
     let mut rows = Vec::new();
     for path in &args.scenes {
-        compare(&Bench::load(&device, path, args.size.size())?, args, &mut rows)?;
+        compare(&Bench::load(&device, path, &args.root, args.size.size())?, args, &mut rows)?;
     }
     let kinds: [(&str, AddLights); 2] = [("points", add_point_lights), ("lamps", add_lamps)];
     for (kind, add) in kinds.into_iter().filter(|_| args.scenes.is_empty()) {

@@ -13,7 +13,7 @@ use midway_scene::{Camera, Scene};
 use serde_json::{Value, json};
 
 use crate::{
-    args::BenchDevice,
+    args::{BenchDevice, RootArg},
     console, scene_file,
     status::{Failure, OrStatus, Outcome, Status},
 };
@@ -79,9 +79,9 @@ impl Bench {
     ///
     /// # Errors
     /// [`Status::Input`].
-    pub fn load(device: &Arc<dyn Device>, path: &Path, size: [u32; 2]) -> Outcome<Self> {
+    pub fn load(device: &Arc<dyn Device>, path: &Path, root: &RootArg, size: [u32; 2]) -> Outcome<Self> {
         let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Self::of(device, name, scene_file::load(path)?.scene, size)
+        Self::of(device, name, scene_file::load(path, root)?.scene, size)
     }
 
     /// Takes a scene that was made in memory.

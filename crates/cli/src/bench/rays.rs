@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::measured::check_measured;
 use crate::{
-    args::RaysArgs,
+    args::{RaysArgs, RootArg},
     console, scene_file,
     status::{Failure, OrStatus, Outcome, Status},
 };
@@ -29,7 +29,7 @@ const ROUNDS: u32 = 7;
 /// # Errors
 /// [`Status::Input`] for the scene, [`Status::Device`] for the device.
 pub fn run(args: &RaysArgs) -> Outcome {
-    let scene = load(&args.scene)?;
+    let scene = load(&args.scene, &args.root)?;
     let open = OpenOptions { threads: args.threads.map(|n| n as usize), ..OpenOptions::default() };
     let device = open_device(&args.device, &open).or_status(Status::Device)?;
     console::note(&format!("device: {} ({})", device.info().name, device.info().backend));
@@ -61,10 +61,11 @@ pub fn run(args: &RaysArgs) -> Outcome {
     console::output(&result.to_string())
 }
 
-fn load(scene: &Path) -> Outcome<Scene> {
+fn load(scene: &Path, root: &RootArg) -> Outcome<Scene> {
     let Some(count) = scene.to_str().and_then(|name| name.strip_prefix(GENERATED)) else {
-        return Ok(scene_file::load(scene)?.scene);
+        return Ok(scene_file::load(scene, root)?.scene);
     };
+    scene_file::refuse_root(root)?;
     match count.parse() {
         Ok(n) if (1..=MOST_GENERATED).contains(&n) => Ok(generated_scene(n)),
         _ => Err(Failure::usage(format!("{GENERATED}N takes a number of triangles up to {MOST_GENERATED}"))),

@@ -15,7 +15,7 @@ pub fn run(args: &SamplingArgs) -> Outcome {
     let device = open(&args.device)?;
     let mut rows = Vec::new();
     for path in &args.scenes {
-        let bench = Bench::load(&device, path, args.size.size())?;
+        let bench = Bench::load(&device, path, &args.root, args.size.size())?;
         console::note(&format!("scene: {}", bench.name));
         let mut plain = [None; 2];
         for (name, settings) in variants(&bench) {

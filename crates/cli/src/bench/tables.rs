@@ -78,7 +78,7 @@ fn render(
     scene: &std::path::Path,
     rows: &mut Vec<Value>,
 ) -> Outcome {
-    let bench = Bench::load(device, scene, table.size)?;
+    let bench = Bench::load(device, scene, &args.root, table.size)?;
     let chosen: Vec<(&str, IntegratorSettings)> =
         integrators().into_iter().filter(|(name, _)| table.integrators.contains(name)).collect();
     console::note(&format!("table {}: {}", table.name, bench.name));

@@ -102,7 +102,7 @@ pub fn run(args: &RenderArgs) -> Outcome<Status> {
 
 /// The scene as the flags have it; tells what was left out of it.
 fn load(args: &RenderArgs, reporter: &Reporter) -> Outcome<Scene> {
-    let mut loaded = scene_file::load_variant(&args.scene, args.variant.as_deref())?;
+    let mut loaded = scene_file::load_variant(&args.scene, &args.root, args.variant.as_deref())?;
     environment::replace(args, &mut loaded)?;
     loaded.warnings().iter().for_each(|warning| reporter.warning(warning));
     scene_file::group_lights(&mut loaded.scene, args.light_groups.as_ref())?;

@@ -72,6 +72,31 @@ fn flags_that_mean_nothing_together_are_2() {
 }
 
 #[test]
+fn files_outside_the_scenes_folder_are_read_only_within_a_root() {
+    let sandbox = Sandbox::new();
+    sandbox.write_scene();
+    for folder in ["scenes", "other"] {
+        fs::create_dir(sandbox.path(folder)).unwrap();
+    }
+    let scene = fs::read_to_string(sandbox.path("scene.obj")).unwrap();
+    sandbox.write("scenes/room.obj", scene.replace("mtllib scene.mtl", "mtllib ../scene.mtl"));
+    let run = sandbox.expect(3, &["info", "scenes/room.obj"]);
+    assert!(run.error().contains("--root FOLDER"), "{}", run.stderr);
+    let command = |line: &'static str| -> Vec<&str> { line.split_whitespace().collect() };
+    for line in [
+        "info scenes/room.obj --root .",
+        "render scenes/room.obj --root . --device cpu --spp 1 --width 8 --height 8",
+        "bench rays scenes/room.obj --root . --device cpu --rays 64 --only wide,plain,random,any",
+    ] {
+        sandbox.expect(0, &command(line));
+    }
+    for line in ["info scenes/room.obj --root other", "view --root . --no-open"] {
+        let run = sandbox.expect(2, &command(line));
+        assert!(run.error().contains("--root"), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn a_missing_or_damaged_scene_is_3() {
     let sandbox = Sandbox::new();
     sandbox.write("garbage.gltf", b"\x00\xffnot json");

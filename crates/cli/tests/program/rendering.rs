@@ -28,6 +28,52 @@ fn read(sandbox: &Sandbox, name: &str) -> ExrFile {
     ExrFile::read(&sandbox.path(name)).unwrap()
 }
 
+/// A grey of a fifth, thrice, is one of three fifths; what is above 1 is 1: on each value that colours may
+/// multiply.
+#[test]
+fn images_are_multiplied_before_they_are_cut_to_1() {
+    let sandbox = Sandbox::new();
+    // BMP, 1 x 1, 24 bits, its row padded to 4 bytes.
+    let mut image = b"BM".to_vec();
+    for word in [58u32, 0, 54, 40, 1, 1, 0x0018_0001, 0, 4, 2835, 2835, 0, 0, 0x0033_3333] {
+        image.extend(word.to_le_bytes());
+    }
+    sandbox.write("a.bmp", image);
+    let picture = |bsdf: &str, inside: &str| {
+        let film = "<integer name='width' value='8'/><integer name='height' value='8'/>";
+        sandbox.write(
+            "scene.xml",
+            format!(
+                "<scene version='3.0.0'><sensor type='perspective'><transform name='to_world'>\
+                 <lookat origin='0,0,2' target='0,0,0' up='0,1,0'/></transform>\
+                 <film type='hdrfilm'>{film}</film></sensor><emitter type='constant'/>\
+                 <shape type='rectangle'><transform name='to_world'><scale value='5'/></transform>\
+                 <bsdf type='{bsdf}'>{inside}</bsdf></shape></scene>"
+            ),
+        );
+        sandbox.expect(0, &["render", "scene.xml", "--device", "cpu", "--spp", "16", "-i", "path"]);
+        read(&sandbox, "scene.exr").image().unwrap()
+    };
+    for (bsdf, name) in [
+        ("diffuse", "reflectance"),
+        ("plastic", "specular_reflectance"),
+        ("conductor", "specular_reflectance"),
+        ("thindielectric", "specular_transmittance"),
+    ] {
+        for (by, value) in [(3.0, 0.6), (7.0, 1.0)] {
+            let textured = format!(
+                "<texture name='{name}' type='scale'><float name='scale' value='{by}'/><texture type='bitmap'>\
+                 <string name='filename' value='a.bmp'/><boolean name='raw' value='true'/></texture></texture>"
+            );
+            let found = picture(bsdf, &textured);
+            let expected = picture(bsdf, &format!("<rgb name='{name}' value='{value}'/>"));
+            let mut pairs = found.pixels.as_flattened().iter().zip(expected.pixels.as_flattened());
+            // Rounding: numbers are multiplied in another order.
+            assert!(pairs.all(|(a, b)| (a - b).abs() <= 1e-5), "{bsdf} by {by}: {found:?} {expected:?}");
+        }
+    }
+}
+
 #[test]
 fn both_files_are_written_and_the_header_tells_all() {
     let sandbox = scene();

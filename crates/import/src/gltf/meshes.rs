@@ -146,7 +146,7 @@ impl<'a> Meshes<'a> {
             );
             return Ok(None);
         }
-        let material = self.material(primitive, warnings)?;
+        let material = self.material(primitive)?;
         let vertices = Vertices::choose(corners, n_vertices);
         let source = Attributes {
             primitive,
@@ -161,13 +161,11 @@ impl<'a> Meshes<'a> {
         source.fill(mesh, warnings).map(Some)
     }
 
-    fn material(&mut self, primitive: &Json, warnings: &mut Warnings) -> Result<u32, ImportError> {
+    fn material(&mut self, primitive: &Json) -> Result<u32, ImportError> {
         let of_variant = self.variants.material(primitive)?;
         if let Some(index) = of_variant.or_else(|| primitive.get("material")) {
             return Ok(index.index("material", self.n_materials)? as u32);
         }
-        let message = "primitives without a material are rendered as diffuse grey";
-        warnings.add(WarningKind::Approximation, primitive.pointer(), message);
         self.uses_default_material = true;
         Ok(self.n_materials as u32)
     }

@@ -27,7 +27,7 @@ use std::path::Path;
 use midway_scene::Scene;
 
 use crate::{
-    ImportError, Place, default_material,
+    ImportError, Place,
     files::{self, SceneFolder},
     warning::{WarningKind, Warnings},
 };
@@ -71,6 +71,7 @@ const HARMLESS_EXTENSIONS: &[&str] = &["KHR_animation_pointer", "KHR_xmp_json_ld
 /// The scene, in the variant of that name where one is wanted, and all variants.
 pub(crate) fn load(
     path: &Path,
+    mut folder: SceneFolder,
     variant: Option<&str>,
     warnings: &mut Warnings,
 ) -> Result<(Scene, crate::Variants), ImportError> {
@@ -83,7 +84,6 @@ pub(crate) fn load(
     check_required_extensions(&root)?;
     let variants = Variants::read(&root, variant)?;
 
-    let mut folder = SceneFolder::of(path)?;
     let buffers = Buffers::load(&root, &mut folder, binary)?;
     let accessors = Accessors::new(&root, &buffers, bytes.len() as u64)?;
     let mut textures = Textures::new(&root, &buffers, &folder, bytes.len() as u64)?;
@@ -97,7 +97,7 @@ pub(crate) fn load(
     unused::warn(&root, warnings)?;
     warnings.append(of_images);
     if meshes.uses_default_material() {
-        materials.push(default_material());
+        materials.push(materials::default_material());
     }
     let (meshes, variants) = meshes.into_parts();
     let scene = Scene {

@@ -13,7 +13,7 @@ use midway_scene::{Image, Texels};
 use super::{Encoding, extension, ktx};
 
 /// The most texels in one image: 16384 x 16384.
-const MAX_TEXELS: u64 = 1 << 28;
+pub(super) const MAX_TEXELS: u64 = 1 << 28;
 /// The longest side.
 const MAX_SIDE: u32 = 1 << 16;
 /// What decoding may take for each texel: sixteen bytes of floats, twice, and change.

@@ -3,6 +3,7 @@
 //! An image that is missing or damaged can be done without: it is listed, and one texel that
 //! changes nothing takes its place.
 
+mod computed;
 mod decode;
 mod ktx;
 
@@ -21,12 +22,19 @@ use crate::{
     files::{self, SceneFolder},
     warning::{WarningKind, Warnings},
 };
-use decode::{Decoded, Problem};
+use computed::Computed;
+pub(crate) use computed::Input;
+use decode::{Decoded, MAX_TEXELS, Problem};
 
 /// Texels that a scene may have, however small its files.
 const FREE_TEXELS: u64 = 1 << 26;
 /// Texels for each byte of the files beyond that: what flat colour compresses to, and no more.
 const TEXELS_PER_BYTE: u64 = 512;
+
+/// What is said where a colour or a number in [0, 1] is greater.
+pub(crate) const CUT_TO_ONE: &str = "reflectances and shares above 1 are cut to 1";
+/// What is less above 1 is rounding.
+pub(crate) const LEAST_CUT: f32 = 1.001;
 
 /// What the whole numbers of an image stand for. Files of floats are linear whatever is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -47,6 +55,15 @@ pub(crate) struct Images {
     requests: Vec<Request>,
     known_requests: HashMap<(usize, Encoding), u32>,
     held_bytes: u64,
+    scaled: Vec<Scaled>,
+}
+
+/// An image that is multiplied by more than 1 where the product is to be at most 1.
+struct Scaled {
+    image: u32,
+    /// Of each channel; 0 for those that are not used.
+    by: [f32; 4],
+    place: String,
 }
 
 enum Source {
@@ -73,7 +90,12 @@ enum Key {
     Bytes(usize, usize),
 }
 
-struct Request {
+enum Request {
+    Read(Reading),
+    Computed(Computed),
+}
+
+struct Reading {
     source: usize,
     encoding: Encoding,
     name: String,
@@ -124,6 +146,20 @@ impl Images {
         self.request(self.sources.len() - 1, Encoding::Linear, name, &Place::default())
     }
 
+    /// Notes that an image is multiplied where the product is to be at most 1: there it is cut off as it is
+    /// used, and if any texel is, a warning says so.
+    pub fn scaled(&mut self, image: u32, by: [f32; 4], place: &Place) {
+        let is_float = match &self.requests[image as usize] {
+            Request::Read(reading) => {
+                matches!(&self.sources[reading.source], Source::Ready(Image { texels: Texels::Float(_), .. }))
+            }
+            Request::Computed(_) => false,
+        };
+        if is_float || by.iter().any(|factor| *factor > 1.0) {
+            self.scaled.push(Scaled { image, by, place: place.short() });
+        }
+    }
+
     fn source(&mut self, key: Key, make: impl FnOnce() -> Source) -> usize {
         let next = self.sources.len();
         let index = *self.known_sources.entry(key).or_insert(next);
@@ -137,7 +173,7 @@ impl Images {
         let next = self.requests.len() as u32;
         let index = *self.known_requests.entry((source, encoding)).or_insert(next);
         if index == next {
-            self.requests.push(Request { source, encoding, name, place: place.short() });
+            self.requests.push(Request::Read(Reading { source, encoding, name, place: place.short() }));
         }
         index
     }
@@ -151,31 +187,37 @@ impl Images {
     /// Every image that was asked for, in the order of indices. What cannot be decoded is listed
     /// and replaced.
     pub fn decode(mut self, warnings: &mut Warnings) -> Vec<Image> {
-        let admitted = self.admit();
+        let (admitted, mut room) = self.admit();
         let decoded: Vec<Result<Decoded, Problem>> = self
             .sources
             .par_iter()
             .zip(admitted)
             .map(|(source, ok)| ok.and_then(|()| source.decode()))
             .collect();
-        let image = |request: &Request| match &decoded[request.source] {
-            Ok(decoded) => {
-                if let Some(note) = decoded.note {
-                    warnings.add(WarningKind::Repaired, request.place.clone(), note);
-                }
-                decoded.image(request.name.clone(), request.encoding)
+        let mut images = Vec::with_capacity(self.requests.len());
+        for request in &self.requests {
+            images.push(match request {
+                Request::Read(reading) => reading.image(&decoded[reading.source], warnings),
+                Request::Computed(computed) => computed.image(&images, &mut room, warnings),
+            });
+        }
+        let mut peaks = HashMap::new();
+        for Scaled { image, by, place } in self.scaled {
+            let is_there = match &self.requests[image as usize] {
+                Request::Read(reading) => decoded[reading.source].is_ok(),
+                Request::Computed(_) => true,
+            };
+            let peak = peaks.entry(image).or_insert_with(|| peak(&images[image as usize]));
+            if is_there && peak.iter().zip(by).any(|(x, by)| x * by > LEAST_CUT) {
+                warnings.add(WarningKind::Repaired, place, CUT_TO_ONE);
             }
-            Err(problem) => {
-                let message = format!("{problem}: the surface is rendered without it");
-                warnings.add(WarningKind::Texture, request.place.clone(), message);
-                placeholder(request)
-            }
-        };
-        self.requests.iter().map(image).collect()
+        }
+        images
     }
 
-    /// Whether each source may be decoded, by the size in its header.
-    fn admit(&mut self) -> Vec<Result<(), Problem>> {
+    /// Whether each source may be decoded, by the size in its header, and how many texels may be made beyond
+    /// that.
+    fn admit(&mut self) -> (Vec<Result<(), Problem>>, u64) {
         let sizes: Vec<_> = self.sources.par_iter().map(Source::size).collect();
         let held = self.sources.iter().map(Source::bytes_of_file).fold(self.held_bytes, u64::saturating_add);
         let limit = held.saturating_mul(TEXELS_PER_BYTE).saturating_add(FREE_TEXELS);
@@ -185,7 +227,26 @@ impl Images {
             total = total.saturating_add(u64::from(width) * u64::from(height));
             if total <= limit { Ok(()) } else { Err(Problem::BeyondFiles { width, height }) }
         };
-        sizes.into_iter().map(admit).collect()
+        let admitted = sizes.into_iter().map(admit).collect();
+        (admitted, limit.saturating_sub(total))
+    }
+}
+
+impl Reading {
+    fn image(&self, decoded: &Result<Decoded, Problem>, warnings: &mut Warnings) -> Image {
+        match decoded {
+            Ok(decoded) => {
+                if let Some(note) = decoded.note {
+                    warnings.add(WarningKind::Repaired, self.place.clone(), note);
+                }
+                decoded.image(self.name.clone(), self.encoding)
+            }
+            Err(problem) => {
+                let message = format!("{problem}: the surface is rendered without it");
+                warnings.add(WarningKind::Texture, self.place.clone(), message);
+                placeholder(self)
+            }
+        }
     }
 }
 
@@ -272,8 +333,17 @@ fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_string_lossy().to_ascii_lowercase())
 }
 
+/// The largest value of each channel.
+fn peak(image: &Image) -> [f32; 4] {
+    let larger = |a: [f32; 4], b: [f32; 4]| std::array::from_fn(|i| a[i].max(b[i]));
+    (0..image.texels.len())
+        .into_par_iter()
+        .map(|index| image.texels.linear(index))
+        .reduce(|| [0.0; 4], larger)
+}
+
 /// A texel that leaves a factor, or a normal, as it is.
-fn placeholder(request: &Request) -> Image {
-    let texel = if request.encoding == Encoding::Normal { [128, 128, 255, 255] } else { [255; 4] };
-    Image { name: request.name.clone(), width: 1, height: 1, texels: Texels::Linear8([texel].into()) }
+fn placeholder(reading: &Reading) -> Image {
+    let texel = if reading.encoding == Encoding::Normal { [128, 128, 255, 255] } else { [255; 4] };
+    Image { name: reading.name.clone(), width: 1, height: 1, texels: Texels::Linear8([texel].into()) }
 }

@@ -47,6 +47,7 @@ impl Loader<'_> {
             "normalmap" => return self.normal_map(node, depth),
             "bumpmap" | "bump" => {
                 self.warn(WarningKind::Texture, node, "bump maps are not used");
+                node.disregard_textures()?;
                 return self.nested(node, depth);
             }
             "blendbsdf" | "mixturebsdf" => return self.mixture(node, depth),

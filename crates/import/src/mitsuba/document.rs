@@ -22,7 +22,8 @@ const MAX_INCLUDES: usize = 4096;
 /// Elements of all files together.
 const MAX_ELEMENTS: usize = 1 << 24;
 
-const BLACK_BODY: &str = "black bodies have their colour, and the luminance of white of radiance 1";
+pub(super) const BLACK_BODY: &str =
+    "black bodies have their colour, and the luminance of white of radiance 1";
 
 /// What kinds of objects there are, by their tags; `luminaire` and `camera` are of release 0.2.
 const CLASSES: [(&str, Class); 14] = [
@@ -130,10 +131,28 @@ impl Document {
         Ok(reader.document)
     }
 
+    /// The objects in another with their names, but for references that lead nowhere.
+    pub fn children_of<'d>(&'d self, object: &'d Object) -> impl Iterator<Item = (&'d str, &'d Object)> {
+        object.children.iter().filter_map(|child| {
+            let index = match &child.target {
+                Target::Object(index) => Some(*index),
+                Target::Reference(id) => self.by_id(id),
+            };
+            Some((child.name.as_str(), &self.objects[index?]))
+        })
+    }
+
     /// The object of an id; none where there is none.
     pub fn by_id(&self, id: &str) -> Option<usize> {
         let id = self.aliases.get(id).map_or(id, String::as_str);
         self.ids.get(id).copied()
+    }
+}
+
+impl Object {
+    /// Whether it is a texture of which nothing was made.
+    pub fn is_unused_texture(&self) -> bool {
+        self.class == Class::Texture && !self.visited.get()
     }
 }
 

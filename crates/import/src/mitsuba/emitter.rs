@@ -78,6 +78,7 @@ impl Loader<'_> {
             );
         }
         if node.child("texture")?.is_some() {
+            node.disregard_textures()?;
             self.warn(WarningKind::Texture, node, "textures that spot lights project are not used");
         }
         let to_world = node.to_world()?;
@@ -124,10 +125,13 @@ impl Loader<'_> {
             return Err(node.malformed("its scale is below 0"));
         }
         node.disregard(&["mis_compensation"]);
-        let image = self.images.file(&self.folder, &name, Encoding::Srgb, node.place(), self.warnings)?;
-        if image.is_none() {
+        if let Err(ImportError::MissingBuffer { uri, .. }) = self.folder.find(&name, node.place()) {
+            let message =
+                format!("the environment's image {uri:?} does not exist: there is no light from it");
+            self.warn(WarningKind::MissingFile, node, &message);
             return Ok(());
         }
+        let image = self.images.file(&self.folder, &name, Encoding::Srgb, node.place(), self.warnings)?;
         let (turn, mirrored) = rotation(node, node.to_world()?)?;
         self.environment_is_mirrored = mirrored;
         let half_turn = Mat3::from_diagonal(Vec3::new(-1.0, 1.0, -1.0));

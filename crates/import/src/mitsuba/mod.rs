@@ -22,7 +22,7 @@ mod value;
 use std::{collections::HashMap, path::Path};
 
 use glam::{Mat3, Mat4, Vec3};
-use midway_scene::{Image, LightKind, Scene, Texels};
+use midway_scene::{Image, LightKind, Material, Scene, Texels};
 
 use crate::{
     ImportError, Place,
@@ -37,8 +37,7 @@ use node::Node;
 const MAX_DEPTH: usize = 32;
 
 /// Reads a scene.
-pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
-    let folder = SceneFolder::of(path)?;
+pub(crate) fn load(path: &Path, folder: SceneFolder, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     let bytes = files::read_scene(path, true)?;
     let document = Document::read(&bytes, &Place::new(path, ""), &folder, warnings)?;
     let mut loader = Loader {
@@ -47,6 +46,7 @@ pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, Import
         images: Images::default(),
         scene: Scene::default(),
         materials: HashMap::new(),
+        mixtures: HashMap::new(),
         meshes: HashMap::new(),
         groups: HashMap::new(),
         group: None,
@@ -68,6 +68,8 @@ struct Loader<'w> {
     scene: Scene,
     /// By BSDF, emitter and medium.
     materials: HashMap<shape::Look, u32>,
+    /// Mixtures of BSDFs, by their object.
+    mixtures: HashMap<usize, Material>,
     meshes: HashMap<shape::MeshKey, u32>,
     /// The meshes of each shape group, by its object, with their places in it.
     groups: HashMap<usize, Vec<(u32, Mat4)>>,
@@ -120,6 +122,11 @@ impl Loader<'_> {
                 let name = files::shortened(&property.name);
                 let message = format!("\"{name}\" of {:?} is not used", files::shortened(&object.plugin));
                 self.warnings.add(WarningKind::Unused, object.place.short(), message);
+            }
+            for (name, _) in document.children_of(object).filter(|(_, child)| child.is_unused_texture()) {
+                let (name, plugin) = (files::shortened(name), files::shortened(&object.plugin));
+                let message = format!("the texture {name:?} of {plugin:?} is not used");
+                self.warnings.add(WarningKind::Texture, object.place.short(), message);
             }
         }
     }

@@ -4,10 +4,16 @@ use glam::Vec3;
 use midway_scene::{ColorInput, Material, MetallicRoughness, Opacity, Roughness, ScalarInput, Surface};
 
 use super::{Loader, bsdf::relative_ior, document::Class, indices, node::Node, value::Quantity};
-use crate::{ImportError, warning::WarningKind};
+use crate::{
+    ImportError, disney,
+    mixture::{self, Mixture},
+    warning::WarningKind,
+};
 
 type Result<T> = std::result::Result<T, ImportError>;
 
+/// What weights lack that stand for all, as files write thirds.
+const WEIGHT_ROUNDING: f32 = 0.01;
 /// Reflectance at normal incidence of a dielectric of index 1.5.
 const F0: f32 = 0.04;
 
@@ -73,9 +79,13 @@ impl Loader<'_> {
             "diff_trans",
         ]);
         let base_color = self.color(node, "base_color", Quantity::Share, 0.5)?;
-        let sheen = self.scalar(node, "sheen", 0.0)?.value;
-        let tint = self.scalar(node, "sheen_tint", 0.0)?.value;
-        let gloss = self.scalar(node, "clearcoat_gloss", 0.0)?.value;
+        let sheen = self.scalar(node, "sheen", 0.0)?;
+        let tint = self.scalar(node, "sheen_tint", 0.0)?;
+        let gloss = self.scalar(node, "clearcoat_gloss", 0.0)?;
+        let sheen = disney::sheen(&mut self.images, &base_color, &tint, &sheen);
+        if !sheen.is_whole {
+            self.warn(WarningKind::Texture, node, disney::SHEEN_IN_PART);
+        }
         let mut clearcoat = self.scalar(node, "clearcoat", 0.0)?;
         clearcoat.value *= 0.25;
         Ok(Surface::MetallicRoughness(Box::new(MetallicRoughness {
@@ -85,8 +95,8 @@ impl Loader<'_> {
             transmission: self.scalar(node, "spec_trans", 0.0)?,
             thin: node.plugin() == "principledthin",
             clearcoat,
-            clearcoat_roughness: (0.1 + (0.001 - 0.1) * gloss).sqrt().into(),
-            sheen_color: (Vec3::ONE.lerp(base_color.value, tint) * sheen).into(),
+            clearcoat_roughness: disney::coat_roughness(&mut self.images, &gloss),
+            sheen_color: sheen.color,
             sheen_roughness: ScalarInput::from(0.5),
             anisotropy: self.scalar(node, "anisotropic", 0.0)?,
             base_color,
@@ -94,8 +104,18 @@ impl Loader<'_> {
         })))
     }
 
-    /// Of two, the one with the greater weight; where the other one is nothing, a share of it.
+    /// Of two or more, their mixture where it is a material; where one of two is nothing, a share of the other.
     pub(super) fn mixture(&mut self, node: Node, depth: usize) -> Result<Material> {
+        // Each once: mixtures of mixtures that refer to one twice would double with each level.
+        if let Some(known) = self.mixtures.get(&node.index) {
+            return Ok(known.clone());
+        }
+        let material = self.new_mixture(node, depth)?;
+        self.mixtures.insert(node.index, material.clone());
+        Ok(material)
+    }
+
+    fn new_mixture(&mut self, node: Node, depth: usize) -> Result<Material> {
         let parts = node.all(Class::Bsdf)?;
         if let ("blendbsdf", &[first, second]) = (node.plugin(), &parts[..]) {
             let weight = self.scalar(node, "weight", 0.5)?;
@@ -103,23 +123,72 @@ impl Loader<'_> {
             if is_nothing(first) && !is_nothing(second) {
                 return self.in_part(second, weight, depth);
             }
-            if is_nothing(second) && weight.texture.is_none() {
-                return self.in_part(first, (1.0 - weight.value).into(), depth);
+            let rest = self.images.computed_scalar(&[weight.clone().into()], |values| Vec3::ONE - values[0]);
+            if let (true, Some(rest)) = (is_nothing(second), rest) {
+                return self.in_part(first, rest, depth);
             }
-            self.warn_of_mixture(node);
-            return self.bsdf(if weight.value > 0.5 { second } else { first }, depth + 1);
+            let parts = [self.bsdf(first, depth + 1)?, self.bsdf(second, depth + 1)?];
+            let heaviest = usize::from(weight.value > 0.5);
+            return Ok(self.mixed(node, &parts, &[1.0.into(), weight], heaviest));
         }
         let weights = node.text("weights")?.and_then(super::value::numbers).unwrap_or_default();
-        let weight = |i: usize| weights.get(i).copied().unwrap_or(0.0);
-        let most = (0..parts.len()).reduce(|a, b| if weight(b) > weight(a) { b } else { a });
-        let most = most.ok_or_else(|| node.malformed("it mixes nothing"))?;
-        self.warn_of_mixture(node);
-        self.bsdf(parts[most], depth + 1)
+        let (mut materials, mut shares, mut sum, mut heaviest) = (Vec::new(), Vec::new(), 0.0, (0.0, 0));
+        for (&part, weight) in parts.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+            sum += weight;
+            if weight > heaviest.0 {
+                heaviest = (weight, materials.len());
+            }
+            materials.push(self.bsdf(part, depth + 1)?);
+            // Of all until here.
+            shares.push(ScalarInput::from(weight / sum));
+        }
+        let Some(&first) = parts.first() else {
+            return Err(node.malformed("it mixes nothing"));
+        };
+        if materials.is_empty() {
+            return self.bsdf(first, depth + 1);
+        }
+        let mut material = self.mixed(node, &materials, &shares, heaviest.1);
+        if (sum - 1.0).abs() > WEIGHT_ROUNDING {
+            self.weigh(node, &mut material, sum);
+        }
+        Ok(material)
     }
 
-    fn warn_of_mixture(&mut self, node: Node) {
-        let message = "of mixed BSDFs the one with the greatest weight is rendered";
-        self.warn(WarningKind::Approximation, node, message);
+    /// Multiplies what a mixture scatters by the sum of its weights.
+    fn weigh(&mut self, node: Node, material: &mut Material, sum: f32) {
+        match &mut material.surface {
+            Surface::Diffuse { reflectance } => {
+                reflectance.value *= sum;
+                if reflectance.texture.is_none() {
+                    reflectance.value = reflectance.value.min(Vec3::ONE);
+                }
+            }
+            _ => {
+                let message = "weights of mixed BSDFs that do not add up to 1 are taken as shares";
+                self.warn(WarningKind::Approximation, node, message);
+            }
+        }
+    }
+
+    /// Each part with its share among those until it, as one; or that which there is most of.
+    fn mixed(&mut self, node: Node, parts: &[Material], shares: &[ScalarInput], heaviest: usize) -> Material {
+        let mut whole = Some(Mixture { material: parts[0].clone(), is_exact: true });
+        for (part, share) in parts.iter().zip(shares).skip(1) {
+            whole = whole.and_then(|known| {
+                let share = share.clone().into();
+                let mixture = mixture::mixed(&mut self.images, [&known.material, part], &share)?;
+                Some(Mixture { is_exact: mixture.is_exact && known.is_exact, ..mixture })
+            });
+        }
+        let message = match &whole {
+            Some(Mixture { is_exact: true, .. }) => None,
+            Some(_) => Some("of mixed BSDFs of one type one is rendered whose parameters are mixed"),
+            None => Some("of mixed BSDFs the one with the greatest weight is rendered"),
+        };
+        message.into_iter().for_each(|message| self.warn(WarningKind::Approximation, node, message));
+        let material = whole.map_or_else(|| parts[heaviest].clone(), |mixture| mixture.material);
+        Material { name: node.id().to_owned(), ..material }
     }
 
     fn in_part(&mut self, node: Node, share: ScalarInput, depth: usize) -> Result<Material> {

@@ -1,9 +1,11 @@
 //! An object as those who make something of it see it: properties by name and type.
 
+use std::collections::HashMap;
+
 use glam::{Mat4, Vec3};
 
 use super::{
-    document::{Child, Class, Document, Object, Target},
+    document::{Child, Class, Document, Object, Property, Target},
     value::{Quantity, Value},
 };
 use crate::{ImportError, files::shortened};
@@ -56,6 +58,15 @@ impl<'a> Node<'a> {
         Some(&property.value)
     }
 
+    /// All properties, by name; they count as used.
+    pub fn values(&self) -> HashMap<String, Value> {
+        let used = |property: &Property| {
+            property.used.set(true);
+            (property.name.clone(), property.value.clone())
+        };
+        self.object().properties.iter().map(used).collect()
+    }
+
     pub fn has(&self, name: &str) -> bool {
         self.object().properties.iter().any(|property| property.name == name)
     }
@@ -65,6 +76,12 @@ impl<'a> Node<'a> {
         for name in names {
             self.value(name);
         }
+    }
+
+    /// Counts the textures in it as used that something else is said of.
+    pub fn disregard_textures(&self) -> Result<(), ImportError> {
+        self.all(Class::Texture)?.iter().for_each(|texture| texture.object().visited.set(true));
+        Ok(())
     }
 
     fn typed<T>(

@@ -16,18 +16,20 @@ const MAGIC: u16 = 0x041c;
 const HAS_NORMALS: u32 = 0x1;
 const HAS_UVS: u32 = 0x2;
 const HAS_COLORS: u32 = 0x8;
+/// It is flat, whatever normals it has.
+const HAS_FACE_NORMALS: u32 = 0x10;
 const IS_DOUBLE: u32 = 0x2000;
 /// Deflate makes at most so many bytes of one.
 const MOST_INFLATED: u64 = 1032;
 /// A name's bytes that are read over.
 const LONGEST_NAME: u64 = 1 << 16;
 
-/// The mesh with an index in a file; texture coordinates as the file has them.
+/// The mesh with an index in a file, and whether it is to be shaded flat; texture coordinates as the file has them.
 ///
 /// # Errors
 ///
 /// Where there is no such mesh, or the file is damaged or announces more than it holds.
-pub(super) fn read(bytes: &[u8], index: i64, place: &Place) -> Result<Mesh> {
+pub(super) fn read(bytes: &[u8], index: i64, place: &Place) -> Result<(Mesh, bool)> {
     let malformed = |problem: &str| ImportError::Malformed { place: place.clone(), problem: problem.into() };
     let start = start_of(bytes, index, place)?;
     let header = bytes.get(start..start + 4).ok_or_else(|| malformed("a serialized mesh has no header"))?;
@@ -74,7 +76,7 @@ struct Stream<'a> {
 }
 
 impl Stream<'_> {
-    fn mesh(&mut self, version: u16) -> Result<Mesh> {
+    fn mesh(&mut self, version: u16) -> Result<(Mesh, bool)> {
         let flags = u32::from_le_bytes(self.array()?);
         if version == 4 {
             self.skip_name()?;
@@ -94,14 +96,15 @@ impl Stream<'_> {
         let triangles = self.triangles(n_triangles, n_vertices)?;
         let vectors = |values: &[f32]| values.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
         let color = |rgb: Vec3| -> Vec4 { rgb.extend(1.0) };
-        Ok(Mesh {
+        let mesh = Mesh {
             positions: vectors(&positions),
             normals: vectors(&normals),
             uvs: [uvs.chunks_exact(2).map(Vec2::from_slice).collect(), Vec::new()],
             colors: vectors(&colors).into_iter().map(color).collect(),
             triangles,
             ..Mesh::default()
-        })
+        };
+        Ok((mesh, flags & HAS_FACE_NORMALS != 0))
     }
 
     fn check(&self, what: &str, n: u64, limit: u64) -> Result<()> {

@@ -172,6 +172,7 @@ impl Loader<'_> {
     }
 
     fn mesh(&mut self, node: Node, key: &MeshKey) -> Result<Mesh> {
+        let mut shading = key.shading;
         let mut read = match key.plugin.as_str() {
             "obj" => {
                 let bytes = self.folder.read_bytes(&key.file, node.place())?;
@@ -184,7 +185,10 @@ impl Loader<'_> {
             }
             "serialized" => {
                 let bytes = self.folder.read_bytes(&key.file, node.place())?;
-                serialized::read(&bytes, key.index, node.place())?
+                let (mesh, is_flat) = serialized::read(&bytes, key.index, node.place())?;
+                // Releases since 2 do not ask the file.
+                shading.flat |= is_flat && self.is_old;
+                mesh
             }
             "sphere" => primitives::sphere(),
             "cylinder" => primitives::cylinder(),
@@ -198,7 +202,7 @@ impl Loader<'_> {
             read.colors.clear();
         }
         let material = &self.scene.materials[key.material as usize];
-        let mut mesh = mesh::shaded(read, key.shading, key.plugin == "sphere");
+        let mut mesh = mesh::shaded(read, shading, key.plugin == "sphere");
         if needs_tangents(material) {
             mesh::add_tangents(&mut mesh, key.shading.is_mirrored);
         }

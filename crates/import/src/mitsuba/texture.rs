@@ -3,8 +3,18 @@
 use glam::{Mat3, Mat4, Vec2, Vec3};
 use midway_scene::{Channel, ColorInput, Filter, Image, ScalarInput, Texels, Texture, Wrap};
 
-use super::{Loader, MAX_DEPTH, document::Class, node::Node, transform, value::Quantity};
-use crate::{ImportError, images::Encoding, warning::WarningKind};
+use super::{
+    Loader, MAX_DEPTH,
+    document::{BLACK_BODY, Class},
+    node::Node,
+    transform,
+    value::{Quantity, spectrum_plugin},
+};
+use crate::{
+    ImportError,
+    images::{CUT_TO_ONE, Encoding, LEAST_CUT},
+    warning::WarningKind,
+};
 
 /// A texture, and what multiplies it.
 struct Scaled {
@@ -29,12 +39,25 @@ impl Loader<'_> {
             }
             _ => node.color(name, quantity)?.unwrap_or(Vec3::splat(default)).into(),
         };
-        if quantity == Quantity::Share && input.value.max_element() > 1.0 {
-            let message = "reflectances above 1 are cut to 1";
-            self.warn(WarningKind::Repaired, node, message);
-            return Ok(ColorInput { value: input.value.min(Vec3::ONE), ..input });
+        if quantity != Quantity::Share {
+            return Ok(input);
         }
-        Ok(input)
+        let value = match &input.texture {
+            Some(texture) => {
+                self.images.scaled(texture.image, input.value.extend(0.0).to_array(), node.place());
+                input.value
+            }
+            None => self.cut(node, input.value),
+        };
+        Ok(ColorInput { value, ..input })
+    }
+
+    /// A share that no texture multiplies.
+    fn cut(&mut self, node: Node, value: Vec3) -> Vec3 {
+        if value.max_element() > LEAST_CUT {
+            self.warn(WarningKind::Repaired, node, CUT_TO_ONE);
+        }
+        value.min(Vec3::ONE)
     }
 
     /// A number in [0, 1] by name: a value, or a channel of a texture.
@@ -58,10 +81,16 @@ impl Loader<'_> {
                 value.into()
             }
         };
-        if input.value > 1.0 {
-            self.warn(WarningKind::Repaired, node, &format!("\"{name}\" above 1 is cut to 1"));
-        }
-        Ok(ScalarInput { value: input.value.min(1.0), ..input })
+        let value = match &input.texture {
+            Some((texture, channel)) => {
+                let mut by = [0.0; 4];
+                by[*channel as usize] = input.value;
+                self.images.scaled(texture.image, by, node.place());
+                input.value
+            }
+            None => self.cut(node, Vec3::splat(input.value)).x,
+        };
+        Ok(ScalarInput { value, ..input })
     }
 
     /// A texture object.
@@ -80,8 +109,27 @@ impl Loader<'_> {
                 let inner = self.texture(inner, quantity, depth + 1)?;
                 Ok(Scaled { scale: inner.scale * by.unwrap_or(Vec3::ONE), ..inner })
             }
+            // What it holds, under an illuminant whose white is white.
+            "d65" if node.first(Class::Texture)?.is_some() => {
+                let inner =
+                    node.first(Class::Texture)?.ok_or_else(|| node.malformed("it holds no texture"))?;
+                let by = node.float_or("scale", 1.0)?.max(0.0);
+                let inner = self.texture(inner, quantity, depth + 1)?;
+                Ok(Scaled { scale: inner.scale * by, ..inner })
+            }
             // Releases since 2 write values as objects too.
-            "srgb" | "rgb" | "uniform" | "constant" => {
+            plugin @ ("uniform" | "d65" | "blackbody" | "irregular" | "regular") => {
+                let color = spectrum_plugin(plugin, &node.values()).and_then(|value| value.color(quantity));
+                let scale = color.ok_or_else(|| node.malformed("it has no value that is read"))?;
+                if scale.min_element() < 0.0 {
+                    return Err(node.malformed("its value is below 0"));
+                }
+                if plugin == "blackbody" {
+                    self.warn(WarningKind::Approximation, node, BLACK_BODY);
+                }
+                Ok(Scaled { scale, texture: None, channel: Channel::R })
+            }
+            "srgb" | "rgb" | "constant" => {
                 let color = match node.color("color", quantity)? {
                     Some(color) => Some(color),
                     None => node.color("value", quantity)?,
@@ -195,6 +243,7 @@ impl Loader<'_> {
     fn checkerboard(&mut self, node: Node, quantity: Quantity) -> Result<Scaled, ImportError> {
         let mut square = |name: &str, default: f32| {
             if node.child(name)?.is_some_and(|child| child.class() == Class::Texture) {
+                node.disregard_textures()?;
                 let message = "textures in the squares of a checkerboard are not used";
                 self.warn(WarningKind::Texture, node, message);
                 return Ok(Vec3::splat(default));

@@ -125,7 +125,11 @@ pub(super) fn spectrum_plugin(plugin: &str, properties: &HashMap<String, Value>)
     };
     let scale = float("scale").unwrap_or(1.0);
     match plugin {
-        "uniform" => Some(Value::Constant(float("value").unwrap_or(1.0))),
+        "uniform" => Some(match properties.get("value").or(properties.get("color")) {
+            // A colour in it is a colour, as some write one.
+            Some(color @ (Value::Rgb(_) | Value::Spectrum(_))) => color.clone(),
+            _ => Value::Constant(float("value").unwrap_or(1.0)),
+        }),
         "d65" => Some(match properties.get("color").or(properties.get("value")) {
             Some(color) => Value::Rgb(color.color(Quantity::Unbounded)? * scale),
             None => Value::Constant(scale),

@@ -1,6 +1,6 @@
 //! Texture statements: a file and how it lies.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{Mat3, Vec2, Vec3};
 use midway_scene::{Channel, ColorInput, ScalarInput, Texture, Wrap};
@@ -16,7 +16,7 @@ use crate::{
 /// What a `map_` line says.
 #[derive(Clone)]
 pub(super) struct Map {
-    /// Relative to the scene's folder.
+    /// From the scene's folder.
     pub file: String,
     place: Place,
     offset: Vec2,
@@ -34,10 +34,17 @@ pub(super) struct Maps<'m> {
     pub warnings: &'m mut Warnings,
 }
 
+/// A material file: its maps' names are relative to it.
+#[derive(Clone, Copy)]
+pub(super) struct Origin<'o> {
+    /// Its name, from the scene's folder.
+    pub library: &'o str,
+    pub folder: &'o SceneFolder,
+}
+
 impl Map {
-    /// Options, then a file name that may hold spaces. `library` is the material file's name as the
-    /// scene gives it: the file's is relative to it.
-    pub fn parse(line: &Line, library: &str, warnings: &mut Warnings) -> Result<Self, ImportError> {
+    /// Options, then a file name that may hold spaces.
+    pub fn parse(line: &Line, origin: Origin, warnings: &mut Warnings) -> Result<Self, ImportError> {
         let mut map = Self {
             file: String::new(),
             place: line.place(),
@@ -55,7 +62,7 @@ impl Map {
         if rest.is_empty() {
             return Err(line.malformed("a file's name is expected"));
         }
-        map.file = beside(library, rest);
+        map.file = origin.beside(rest);
         Ok(map)
     }
 
@@ -130,20 +137,29 @@ impl Map {
     }
 }
 
-/// The path of a file beside a material library. Exporters write their author's folders: of an
-/// absolute path, of whatever system, only the name counts.
-fn beside(library: &str, name: &str) -> String {
-    let name = name.trim().trim_matches('"').replace('\\', "/");
-    let drive = name.as_bytes().get(1) == Some(&b':');
-    let name =
-        if drive || name.starts_with('/') { name.rsplit('/').next().unwrap_or_default() } else { &name };
-    let folder = library.replace('\\', "/");
-    match Path::new(&folder).parent() {
-        Some(folder) => folder.join(name),
-        None => PathBuf::from(name),
+impl Origin<'_> {
+    /// The path of a file that is named in the material file.
+    fn beside(&self, name: &str) -> String {
+        let name = name.trim().trim_matches('"').replace('\\', "/");
+        let name = match name.strip_prefix("//") {
+            Some(on_network) => on_network.rsplit('/').next().unwrap_or_default(),
+            None => reachable(&name, self.folder),
+        };
+        let library = self.library.replace('\\', "/");
+        let folder = Path::new(&library).parent().unwrap_or(Path::new(""));
+        folder.join(name).to_string_lossy().into_owned()
     }
-    .to_string_lossy()
-    .into_owned()
+}
+
+/// A file's name, by slashes alone. Exporters write their author's folders: of an absolute path, of
+/// whatever system, only the name counts, unless the file is there and may be read.
+pub(super) fn reachable<'n>(name: &'n str, folder: &SceneFolder) -> &'n str {
+    let is_on_network = name.starts_with("//");
+    let is_absolute = name.starts_with('/') || name.as_bytes().get(1) == Some(&b':');
+    if is_absolute && !is_on_network && !folder.holds(name) {
+        return name.rsplit('/').next().unwrap_or_default();
+    }
+    name
 }
 
 impl Maps<'_> {

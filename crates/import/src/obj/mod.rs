@@ -21,15 +21,14 @@ use crate::{
     images::Images,
     warning::{WarningKind, Warnings},
 };
-use maps::Maps;
+use maps::{Maps, Origin};
 use mtl::Library;
 pub(crate) use shape::shape;
 
-pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
+pub(crate) fn load(path: &Path, folder: SceneFolder, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     let bytes = files::read_scene(path, true)?;
     let text = String::from_utf8_lossy(&bytes);
     let obj = parse::parse(path, &text, warnings)?;
-    let folder = SceneFolder::of(path)?;
     let library = load_libraries(path, &folder, &obj, warnings)?;
 
     let mut scene = Scene::default();
@@ -64,13 +63,17 @@ fn load_libraries(
     for (names, line) in &obj.libraries {
         let place = Place::new(path, line.to_string());
         let names = names.replace('\\', "/");
-        let mut read = |name: &str| match folder.read_text(name, &place) {
-            Ok(bytes) => {
-                library.read(path, name, &String::from_utf8_lossy(&bytes), warnings)?;
-                Ok(true)
+        let mut read = |name: &str| {
+            let name = maps::reachable(name, folder);
+            match folder.read_text(name, &place) {
+                Ok(bytes) => {
+                    let origin = Origin { library: name, folder };
+                    library.read(path, origin, &String::from_utf8_lossy(&bytes), warnings)?;
+                    Ok(true)
+                }
+                Err(ImportError::MissingBuffer { .. }) => Ok(false),
+                Err(other) => Err(other),
             }
-            Err(ImportError::MissingBuffer { .. }) => Ok(false),
-            Err(other) => Err(other),
         };
         // A line may name several files, and a file's name may have spaces.
         if read(&names)? {

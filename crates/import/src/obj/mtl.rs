@@ -6,7 +6,7 @@ use glam::Vec3;
 use midway_scene::Material;
 
 use super::{
-    maps::{Map, Maps},
+    maps::{Map, Maps, Origin},
     text::{Line, joined, lines},
 };
 use crate::{
@@ -24,15 +24,15 @@ impl Library {
         self.0.get(name).map(|parameters| parameters.material(maps)).transpose()
     }
 
-    /// Adds the materials of a file beside the scene; one of a name that is known takes its place.
+    /// Adds the materials of a file's text; one of a name that is known takes its place.
     pub fn read(
         &mut self,
         scene: &Path,
-        name: &str,
+        origin: Origin,
         text: &str,
         warnings: &mut Warnings,
     ) -> Result<(), ImportError> {
-        let (file, text) = (scene.with_file_name(name), joined(text));
+        let (file, text) = (scene.with_file_name(origin.library), joined(text));
         let mut current: Option<Parameters> = None;
         for line in lines(&file, &text) {
             if line.keyword == "newmtl" {
@@ -40,7 +40,7 @@ impl Library {
                 let (name, place) = (line.rest.to_owned(), line.short_place());
                 current = Some(Parameters { name, place, ..Parameters::default() });
             } else if let Some(parameters) = &mut current {
-                parameters.line(&line, name, warnings)?;
+                parameters.line(&line, origin, warnings)?;
             } else {
                 return Err(line.malformed("\"newmtl\" is expected before this"));
             }
@@ -81,7 +81,7 @@ const MAPS: [&str; 8] = ["map_kd", "map_ks", "map_ke", "map_d", "map_pr", "map_p
 const UNUSED_MAPS: [&str; 5] = ["bump", "disp", "decal", "refl", "displacement"];
 
 impl Parameters {
-    fn line(&mut self, line: &Line, library: &str, warnings: &mut Warnings) -> Result<(), ImportError> {
+    fn line(&mut self, line: &Line, origin: Origin, warnings: &mut Warnings) -> Result<(), ImportError> {
         match line.keyword {
             "Kd" => self.diffuse = colour(line, warnings)?,
             "Ks" => self.specular = colour(line, warnings)?,
@@ -105,18 +105,18 @@ impl Parameters {
                 Some(name) => {
                     self.physical.insert(name, line.finite()?[0]);
                 }
-                None => self.map(line, library, warnings)?,
+                None => self.map(line, origin, warnings)?,
             },
         }
         Ok(())
     }
 
-    fn map(&mut self, line: &Line, library: &str, warnings: &mut Warnings) -> Result<(), ImportError> {
+    fn map(&mut self, line: &Line, origin: Origin, warnings: &mut Warnings) -> Result<(), ImportError> {
         let keyword = line.keyword.to_ascii_lowercase();
         let keyword = if keyword == "map_kn" { "norm" } else { &keyword };
         match MAPS.iter().find(|name| **name == keyword) {
             Some(name) => {
-                self.maps.insert(name, Map::parse(line, library, warnings)?);
+                self.maps.insert(name, Map::parse(line, origin, warnings)?);
             }
             None => warn_of_unused(line, warnings),
         }

@@ -57,7 +57,7 @@ impl ColourSpace {
 /// What a spectrum is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
-    /// Of a surface, in [0, 1].
+    /// Of a surface, in [0, 1] once all factors are known.
     Albedo,
     /// η, k, absorption: at least 0.
     Unbounded,
@@ -112,7 +112,7 @@ impl Reader<'_> {
         if !rgb.is_finite() {
             return Err(params.malformed(format!("a number of \"{}\" is too large", shortened(&param.name))));
         }
-        Ok(if of == Use::Albedo { rgb.min(Vec3::ONE) } else { rgb })
+        Ok(rgb)
     }
 
     fn numeric(

@@ -13,6 +13,7 @@ use super::{
     camera::{Film, View},
     colours::{ColourSpace, Reader, Use, Version},
     files,
+    later::Later,
     lex::{Lexer, Token, shortened, shown},
     lights::{self, Found},
     materials::{self, Materials},
@@ -41,15 +42,16 @@ const V3_ALPHA_CUTOFF: f32 = 1e-5;
 pub(super) struct Interpreter<'w> {
     folder: SceneFolder,
     version: Version,
-    warnings: &'w mut Warnings,
-    state: State,
+    pub(super) warnings: &'w mut Warnings,
+    pub(super) state: State,
     stack: Stack,
     textures: Textures,
-    materials: Materials,
-    world: World,
+    pub(super) materials: Materials,
+    pub(super) world: World,
     /// Absorption coefficients of named media.
     media: HashMap<String, Vec3>,
     coordinate_systems: HashMap<String, DMat4>,
+    pub(super) later: Later,
     n_area_lights: usize,
     in_world: bool,
     /// `WorldEnd` has been met.
@@ -77,6 +79,7 @@ impl<'w> Interpreter<'w> {
             world: World::default(),
             media: HashMap::new(),
             coordinate_systems: HashMap::new(),
+            later: Later::default(),
             n_area_lights: 0,
             in_world: false,
             ended: false,
@@ -92,11 +95,14 @@ impl<'w> Interpreter<'w> {
         self.run(&mut Lexer::new(path, text))
     }
 
-    pub fn finish(self, path: &Path) -> Result<Scene, ImportError> {
+    pub fn finish(mut self, path: &Path) -> Result<Scene, ImportError> {
         if !self.stack.is_empty() {
             let message = "a block is open at the end of the file";
             self.warnings.add(WarningKind::Repaired, Place::new(path, "").short(), message);
         }
+        self.define_mixtures()?;
+        self.materials.warn_of_awaited(self.warnings);
+        self.dress_later();
         let film = self.world.film.unwrap_or(Film::default_of(self.version));
         let mut scene = self.world.finish(film, path)?;
         scene.images = self.textures.images.decode(self.warnings);
@@ -160,7 +166,8 @@ impl<'w> Interpreter<'w> {
             "Material" | "MakeNamedMaterial" => self.material(directive, lexer),
             "NamedMaterial" => {
                 let name = lexer.string()?.into_owned();
-                self.state.material = self.materials.named(&name, &none(lexer), self.warnings);
+                let place = lexer.place();
+                self.state.material = self.materials.named(&name, &place, self.version, self.warnings);
                 Ok(())
             }
             "LightSource" => self.light(lexer),
@@ -325,21 +332,35 @@ impl<'w> Interpreter<'w> {
             let kind = params.string("type")?.unwrap_or("").to_owned();
             (Some(first), kind)
         };
-        let reader =
-            Reader { folder: &self.folder, version: self.version, colour_space: self.state.colour_space };
+        let index = if self.version == Version::V4 && self.is_mixture_of_awaited(&kind, &params)? {
+            let index = self.materials.reserve(name.as_deref(), &params.place);
+            self.later.mixtures.push((index, params, self.state.colour_space));
+            index
+        } else {
+            let material = self.definition(&kind, &params, self.state.colour_space)?;
+            self.materials.define(name.as_deref(), material)
+        };
+        if name.is_none() {
+            self.state.material = index;
+        }
+        Ok(())
+    }
+
+    pub(super) fn definition(
+        &mut self,
+        kind: &str,
+        params: &Params,
+        colour_space: ColourSpace,
+    ) -> Result<Material, ImportError> {
+        let reader = Reader { folder: &self.folder, version: self.version, colour_space };
         let definition = materials::Definition {
-            params: &params,
+            params,
             reader: &reader,
             textures: &mut self.textures,
             materials: &mut self.materials,
             warnings: self.warnings,
         };
-        let material = definition.read(&kind)?;
-        let index = self.materials.define(name.as_deref(), material);
-        if name.is_none() {
-            self.state.material = index;
-        }
-        Ok(())
+        definition.read(kind)
     }
 
     fn light(&mut self, lexer: &mut Lexer) -> Result<(), ImportError> {
@@ -403,6 +424,7 @@ impl<'w> Interpreter<'w> {
         let plain = self.state.area_light.is_none() || self.world.in_object();
         if let (Some(_), true) = (sphere, plain) {
             let material = self.plain_material(&alpha)?;
+            self.note_undressed(material, &alpha);
             if let Some(mesh) = self.world.sphere(material, reversed) {
                 return self.world.place(mesh, ctm, &params, self.warnings);
             }
@@ -416,8 +438,12 @@ impl<'w> Interpreter<'w> {
         params.warn_of_unused(&format!("shapes \"{kind}\""), self.warnings);
         let material =
             if plain { self.plain_material(&alpha)? } else { self.lit_material(&alpha, &shape, ctm)? };
+        self.note_undressed(material, &alpha);
         let mut mesh = shape.mesh;
-        if world::is_textured(&self.world.materials[material as usize]) {
+        // What is still to be defined may have a texture.
+        if self.materials.is_awaited(self.state.material)
+            || world::is_textured(&self.world.materials[material as usize])
+        {
             mesh = shapes::with_default_uvs(mesh);
         }
         mesh.material = material;
@@ -438,20 +464,27 @@ impl<'w> Interpreter<'w> {
             return Ok(None);
         };
         let input = scalar.input;
-        let value = input.value.clamp(0.0, 1.0);
+        // Of a texture the product is cut off at 1.
+        let most = if input.texture.is_some() { f32::MAX } else { 1.0 };
+        let value = input.value.clamp(0.0, most);
         Ok((value != 1.0 || input.texture.is_some()).then_some(ScalarInput { value, ..input }))
     }
 
     /// The current material as the scene has it, but for what it emits.
     fn dressed(&mut self, alpha: &Option<ScalarInput>) -> Material {
-        let mut material = self.materials.list[self.state.material].clone();
+        let (material, inside) = (self.state.material, self.state.inside.clone());
+        self.dressed_as(material, alpha, &inside)
+    }
+
+    pub(super) fn dressed_as(&mut self, index: usize, alpha: &Option<ScalarInput>, inside: &str) -> Material {
+        let mut material = self.materials.list[index].clone();
         if let Some(alpha) = alpha {
             material.opacity = match self.version {
                 Version::V3 => Opacity::Mask(alpha.clone(), V3_ALPHA_CUTOFF),
                 Version::V4 => Opacity::Blend(alpha.clone()),
             };
         }
-        let absorption = self.media.get(&*self.state.inside).copied().unwrap_or(Vec3::ZERO);
+        let absorption = self.media.get(inside).copied().unwrap_or(Vec3::ZERO);
         match &mut material.surface {
             Surface::Dielectric { sigma_a, thin: false, .. } => *sigma_a = absorption,
             Surface::MetallicRoughness(model) if !model.thin => model.sigma_a = absorption,

@@ -1,6 +1,6 @@
 //! pbrt-v4's materials. Those of v3 are in `materials_v3`.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use glam::Vec3;
 use midway_scene::{
@@ -8,16 +8,17 @@ use midway_scene::{
 };
 
 use super::{
-    colours::{Reader, Use},
+    colours::{Reader, Use, Version},
     lex::shortened,
     materials_v3,
     params::Params,
     textures::{Scalar, Textures},
 };
 use crate::{
-    ImportError, default_material,
-    images::Encoding,
+    ImportError, Place, default_material,
+    images::{Encoding, Input},
     metals::{self, ComplexIor},
+    mixture,
     warning::{WarningKind, Warnings},
 };
 
@@ -25,34 +26,81 @@ use crate::{
 pub(super) struct Materials {
     pub list: Vec<Material>,
     named: HashMap<String, usize>,
+    /// By index: those that are named and not defined yet, as v4 allows, with where they are named first.
+    awaited: BTreeMap<usize, (String, Place)>,
 }
 
 impl Materials {
     pub fn new() -> Self {
         let grey = Material::new(Surface::diffuse(Vec3::splat(0.5)));
-        Self { list: vec![grey], named: HashMap::new() }
+        Self { list: vec![grey], named: HashMap::new(), awaited: BTreeMap::new() }
     }
 
-    /// Adds a definition under a name or none; returns its index.
+    /// Adds a definition under a name or none, or in its place where it was awaited; returns its index.
     pub fn define(&mut self, name: Option<&str>, material: Material) -> usize {
+        let material = Material { name: name.unwrap_or_default().to_owned(), ..material };
+        let reserved = name.and_then(|name| self.named.get(name)).copied();
+        if let Some(index) = reserved.filter(|index| self.awaited.contains_key(index)) {
+            self.fill(index, material);
+            return index;
+        }
         let index = self.list.len();
-        self.list.push(Material { name: name.unwrap_or_default().to_owned(), ..material });
+        self.list.push(material);
         if let Some(name) = name {
             self.named.insert(name.to_owned(), index);
         }
         index
     }
 
-    /// One by name; grey, and a warning, where there is none.
-    pub fn named(&mut self, name: &str, params: &Params, warnings: &mut Warnings) -> usize {
-        if let Some(&known) = self.named.get(name) {
-            return known;
-        }
-        let message =
-            format!("the material \"{}\" is not defined: rendered as diffuse grey", shortened(name));
-        warnings.add(WarningKind::Approximation, params.place.short(), message);
-        self.define(Some(name), default_material())
+    /// Puts a definition in the place that was kept for it.
+    pub fn fill(&mut self, index: usize, material: Material) {
+        self.awaited.remove(&index);
+        let name = std::mem::take(&mut self.list[index].name);
+        self.list[index] = Material { name, ..material };
     }
+
+    /// Keeps a place for a definition, grey until then, under a name or none.
+    pub fn reserve(&mut self, name: Option<&str>, place: &Place) -> usize {
+        let known = name.and_then(|name| self.named.get(name)).copied();
+        let index = known.filter(|index| self.is_awaited(*index));
+        let index = index.unwrap_or_else(|| self.define(name, default_material()));
+        self.awaited.entry(index).or_insert_with(|| (name.unwrap_or_default().to_owned(), place.clone()));
+        index
+    }
+
+    /// Whether an index is one of a definition that is still to come.
+    pub fn is_awaited(&self, index: usize) -> bool {
+        self.awaited.contains_key(&index)
+    }
+
+    /// Whether a name is one of a material that is there.
+    pub fn is_defined(&self, name: &str) -> bool {
+        self.named.get(name).is_some_and(|index| !self.is_awaited(*index))
+    }
+
+    /// One by name. Where there is none yet, a place for it in v4; in v3 grey, and a warning.
+    pub fn named(&mut self, name: &str, place: &Place, version: Version, warnings: &mut Warnings) -> usize {
+        match self.named.get(name) {
+            Some(&known) => known,
+            None if version == Version::V4 => self.reserve(Some(name), place),
+            None => {
+                warn_of_undefined(name, place, warnings);
+                self.define(Some(name), default_material())
+            }
+        }
+    }
+
+    /// Lists what was named and never defined.
+    pub fn warn_of_awaited(&self, warnings: &mut Warnings) {
+        for (name, place) in self.awaited.values() {
+            warn_of_undefined(name, place, warnings);
+        }
+    }
+}
+
+fn warn_of_undefined(name: &str, place: &Place, warnings: &mut Warnings) {
+    let message = format!("the material \"{}\" is not defined: rendered as diffuse grey", shortened(name));
+    warnings.add(WarningKind::Approximation, place.short(), message);
 }
 
 /// A material being read.
@@ -246,22 +294,29 @@ impl Definition<'_> {
             return Err(self.params.malformed("a \"mix\" is of two materials"));
         };
         let [a, b] = [first, second].map(|name| {
-            let index = self.materials.named(name, self.params, self.warnings);
+            let (place, version) = (&self.params.place, self.reader.version);
+            let index = self.materials.named(name, place, version, self.warnings);
             self.materials.list[index].clone()
         });
-        // How much of the second there is in v4, and of the first in v3.
-        let of_first = !self.params.has("materials");
-        let amount = if self.params.texture("amount")?.is_some() {
-            self.approximated("mixtures of materials by an image are rendered as half and half");
-            0.5
-        } else {
-            self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?.y
+        let amount: Input = match self.params.texture("amount")? {
+            Some(_) if self.reader.version == Version::V4 => {
+                self.scalar("amount")?.unwrap_or(0.5.into()).input.into()
+            }
+            _ => self.albedo("amount", 0.5)?.into(),
         };
-        let of_second = if of_first { 1.0 - amount } else { amount };
-        if let (Some(a), Some(b)) = (plain_diffuse(&a), plain_diffuse(&b)) {
-            return Ok(Material::new(Surface::diffuse(a.lerp(b, of_second))));
+        // How much of the second there is in v4, and of the first in v3.
+        let [a, b] = if self.params.has("materials") { [a, b] } else { [b, a] };
+        if let Some(mixture) = mixture::mixed(&mut self.textures.images, [&a, &b], &amount) {
+            if !mixture.is_exact {
+                self.approximated("mixtures of materials of one type are rendered with mixed parameters");
+            }
+            return Ok(Material { name: String::new(), ..mixture.material });
         }
         self.approximated("mixtures of materials are rendered as the one there is more of");
+        let of_second = match amount {
+            Input::Color(color) => color.value.y,
+            Input::Scalar(scalar) => scalar.value,
+        };
         Ok(if of_second <= 0.5 { a } else { b })
     }
 
@@ -274,17 +329,6 @@ impl Definition<'_> {
             }
         }
         Ok(Surface::diffuse(Vec3::splat(0.5)))
-    }
-}
-
-fn plain_diffuse(material: &Material) -> Option<Vec3> {
-    match &material.surface {
-        Surface::Diffuse { reflectance }
-            if reflectance.texture.is_none() && material.normal_map.is_none() =>
-        {
-            Some(reflectance.value)
-        }
-        _ => None,
     }
 }
 

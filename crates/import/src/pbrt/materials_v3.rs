@@ -3,8 +3,8 @@
 use glam::Vec3;
 use midway_scene::{ColorInput, ConductorFresnel, MetallicRoughness, Opacity, Roughness, Surface};
 
-use super::{colours::Use, materials::Definition};
-use crate::{ImportError, metals::ComplexIor, warning::WarningKind};
+use super::materials::Definition;
+use crate::{ImportError, disney, metals::ComplexIor, warning::WarningKind};
 
 /// pbrt-v3's `TrowbridgeReitzDistribution::RoughnessToAlpha`.
 pub(super) fn alpha_of_roughness(roughness: f32) -> f32 {
@@ -149,14 +149,7 @@ fn substrate(material: &mut Definition) -> Result<Surface, ImportError> {
 
 /// Burley's, by glTF's model, which leaves out what it has no word for.
 fn disney(material: &mut Definition) -> Result<Surface, ImportError> {
-    material.params.ignore(&[
-        "speculartint",
-        "sheentint",
-        "clearcoatgloss",
-        "scatterdistance",
-        "flatness",
-        "difftrans",
-    ]);
+    material.params.ignore(&["speculartint", "scatterdistance", "flatness", "difftrans"]);
     material.approximated("\"disney\" is rendered by glTF's metallic-roughness model");
     let base_color = material.albedo("color", 0.5)?;
     let mut scalar = |name: &str, default: f32| -> Result<_, ImportError> {
@@ -165,10 +158,16 @@ fn disney(material: &mut Definition) -> Result<Surface, ImportError> {
     };
     let (metallic, roughness) = (scalar("metallic", 0.0)?, scalar("roughness", 0.5)?);
     let (anisotropy, sheen) = (scalar("anisotropic", 0.0)?, scalar("sheen", 0.0)?);
+    let (tint, gloss) = (scalar("sheentint", 0.5)?, scalar("clearcoatgloss", 1.0)?);
     let (mut clearcoat, transmission) = (scalar("clearcoat", 0.0)?, scalar("spectrans", 0.0)?);
     // Burley's coat has a quarter of the strength, as in pbrt's disney.cpp.
     clearcoat.value *= 0.25;
-    let gloss = material.reader.colour_or(material.params, "clearcoatgloss", Use::Albedo, Vec3::ONE)?.x;
+    let images = &mut material.textures.images;
+    let clearcoat_roughness = disney::coat_roughness(images, &gloss);
+    let sheen = disney::sheen(images, &base_color, &tint, &sheen);
+    if !sheen.is_whole {
+        material.warn(WarningKind::Texture, disney::SHEEN_IN_PART);
+    }
     Ok(Surface::MetallicRoughness(Box::new(MetallicRoughness {
         base_color,
         metallic,
@@ -177,9 +176,8 @@ fn disney(material: &mut Definition) -> Result<Surface, ImportError> {
         transmission,
         thin: material.params.bool_or("thin", false)?,
         clearcoat,
-        // Burley: α from 0.1 to 0.001 as the gloss grows.
-        clearcoat_roughness: (0.1 + (0.001 - 0.1) * gloss).sqrt().into(),
-        sheen_color: Vec3::splat(sheen.value).into(),
+        clearcoat_roughness,
+        sheen_color: sheen.color,
         sheen_roughness: 0.5.into(),
         anisotropy,
         ..MetallicRoughness::default()

@@ -9,6 +9,7 @@ mod colours;
 mod directives;
 mod environment;
 mod files;
+mod later;
 mod lex;
 mod lights;
 mod materials;
@@ -32,13 +33,12 @@ use crate::{
 use colours::Version;
 use directives::Interpreter;
 
-pub(crate) fn load(path: &Path, warnings: &mut Warnings) -> Result<Scene, ImportError> {
+pub(crate) fn load(path: &Path, folder: SceneFolder, warnings: &mut Warnings) -> Result<Scene, ImportError> {
     let mut bytes = scene_files::read_scene(path, true)?;
     if bytes.starts_with(&[0x1f, 0x8b]) {
         bytes = files::unpacked(&bytes, &Place::new(path, ""))?;
     }
     let text = String::from_utf8_lossy(&bytes);
-    let folder = SceneFolder::of(path)?;
     let mut interpreter = Interpreter::new(folder, version(&text), warnings);
     interpreter.main(path, &text)?;
     interpreter.finish(path)

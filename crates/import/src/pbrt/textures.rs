@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     ImportError,
-    images::{self, Encoding, Images},
+    images::{self, CUT_TO_ONE, Encoding, Images, LEAST_CUT},
     warning::{WarningKind, Warnings},
 };
 
@@ -69,9 +69,29 @@ impl Textures {
         Ok(())
     }
 
-    /// A parameter that is a spectrum or names a texture; its value is in [0, 1].
+    /// A parameter that is a spectrum or names a texture, within 0 and 1.
     pub fn albedo(
         &mut self,
+        params: &Params,
+        name: &str,
+        default: f32,
+        reader: &Reader,
+        warnings: &mut Warnings,
+    ) -> Result<ColorInput, ImportError> {
+        let input = self.factor(params, name, default, reader, warnings)?;
+        if let Some(texture) = &input.texture {
+            self.images.scaled(texture.image, input.value.extend(0.0).to_array(), &params.place);
+            return Ok(input);
+        }
+        if input.value.max_element() > LEAST_CUT {
+            warnings.add(WarningKind::Repaired, params.place.short(), CUT_TO_ONE);
+        }
+        Ok(input.value.min(Vec3::ONE).into())
+    }
+
+    /// The same, which may be greater than 1 before it is multiplied.
+    fn factor(
+        &self,
         params: &Params,
         name: &str,
         default: f32,
@@ -166,7 +186,7 @@ impl Definition<'_> {
     }
 
     fn input(&mut self, name: &str, default: f32) -> Result<ColorInput, ImportError> {
-        self.textures.albedo(self.params, name, default, self.reader, self.warnings)
+        self.textures.factor(self.params, name, default, self.reader, self.warnings)
     }
 
     fn number(&mut self, name: &str, default: f32) -> Result<Scalar, ImportError> {
@@ -196,11 +216,7 @@ impl Definition<'_> {
             "mix" | "directionmix" => {
                 let (a, b) = (self.input("tex1", 0.0)?, self.input("tex2", 1.0)?);
                 let amount = self.amount(class)?;
-                if a.texture.is_none() && b.texture.is_none() {
-                    return Ok(a.value.lerp(b.value, amount).into());
-                }
-                self.approximated("mixtures of images are rendered as the one there is more of");
-                Ok(if amount < 0.5 { a } else { b })
+                Ok(self.blend(a, b, amount))
             }
             "bilerp" => {
                 let mut mean = Vec3::ZERO;
@@ -247,6 +263,12 @@ impl Definition<'_> {
             "mix" | "directionmix" => {
                 let (a, b) = (self.number("tex1", 0.0)?, self.number("tex2", 1.0)?);
                 let amount = self.amount(class)?;
+                let amount = if amount.texture.is_some() {
+                    self.approximated("mixtures of numbers by an image are rendered as half and half");
+                    0.5
+                } else {
+                    amount.value
+                };
                 if a.image.is_none() && b.image.is_none() {
                     return Ok((a.input.value + (b.input.value - a.input.value) * amount).into());
                 }
@@ -283,42 +305,46 @@ impl Definition<'_> {
     }
 
     /// How much of the second there is in a mixture.
-    fn amount(&mut self, class: &str) -> Result<f32, ImportError> {
+    fn amount(&mut self, class: &str) -> Result<ScalarInput, ImportError> {
         if class == "directionmix" {
             self.params.ignore(&["dir"]);
             self.approximated("mixtures by direction are rendered as the same from all");
-            return Ok(0.5);
+            return Ok(0.5.into());
         }
-        let amount = if self.params.texture("amount")?.is_some() {
-            self.number("amount", 0.5)?.input
-        } else {
-            let grey = self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?;
-            grey.y.into()
-        };
-        if amount.texture.is_some() {
-            self.approximated("mixtures whose amount is an image are rendered as half and half");
-            return Ok(0.5);
+        if self.params.texture("amount")?.is_some() {
+            return Ok(self.number("amount", 0.5)?.input);
         }
-        Ok(amount.value.clamp(0.0, 1.0))
+        let grey = self.reader.colour_or(self.params, "amount", Use::Albedo, Vec3::splat(0.5))?;
+        Ok(grey.y.clamp(0.0, 1.0).into())
+    }
+
+    fn blend(&mut self, a: ColorInput, b: ColorInput, amount: ScalarInput) -> ColorInput {
+        // Images are of values within 0 and 1: what is more multiplies them.
+        let most = a.value.max_element().max(b.value.max_element()).max(1.0);
+        let within = |input: &ColorInput| ColorInput { value: input.value / most, ..input.clone() };
+        let inputs = [within(&a).into(), within(&b).into(), amount.clone().into()];
+        let lerp = |values: &[Vec3]| values[0] + (values[1] - values[0]) * values[2].min(Vec3::ONE);
+        if let Some(blended) = self.textures.images.computed(&inputs, lerp) {
+            return ColorInput { value: blended.value * most, ..blended };
+        }
+        self.approximated(
+            "mixtures of images that lie in different ways are rendered as the one there is more of",
+        );
+        if amount.value < 0.5 { a } else { b }
     }
 
     fn product(&mut self, a: ColorInput, b: ColorInput) -> ColorInput {
-        let value = a.value * b.value;
-        let texture = match (a.texture, b.texture) {
-            (Some(a), Some(_)) => {
-                self.approximated("products of two images are rendered as the first");
-                Some(a)
-            }
-            (a, b) => a.or(b),
+        let value = (a.value * b.value).max(Vec3::ZERO);
+        let (Some(first), Some(second)) = (&a.texture, &b.texture) else {
+            return ColorInput { value, texture: a.texture.or(b.texture) };
         };
-        ColorInput { value: self.in_range(value), texture }
-    }
-
-    fn in_range(&mut self, value: Vec3) -> Vec3 {
-        if value.max_element() > 1.0 {
-            self.approximated("textures scaled beyond 1 are cut off at 1");
+        let inputs = [first, second]
+            .map(|texture| ColorInput { value: Vec3::ONE, texture: Some(texture.clone()) }.into());
+        if let Some(texture) = self.textures.images.computed(&inputs, |values| values[0] * values[1]) {
+            return ColorInput { value, ..texture };
         }
-        value.clamp(Vec3::ZERO, Vec3::ONE)
+        self.approximated("products of images that lie in different ways are rendered as the first");
+        ColorInput { value, texture: a.texture }
     }
 
     fn flat(&mut self, input: ColorInput) -> Vec3 {
@@ -405,7 +431,7 @@ impl Definition<'_> {
         let invert = self.params.bool_or("invert", false)?;
         let place = &self.params.place;
         let file = self.file()?.to_owned();
-        if !invert && (0.0..=1.0).contains(&scale) {
+        if !invert && scale >= 0.0 {
             let image =
                 self.textures.images.file(self.reader.folder, &file, encoding, place, self.warnings)?;
             let texture = image.map(|image| Texture { image, ..layout });
@@ -434,6 +460,8 @@ impl Definition<'_> {
             return Ok(1.0.into());
         };
         let has_alpha = (0..image.texels.len()).any(|i| image.texels.linear(i)[3] < 1.0);
+        let is_factor = !invert && scale >= 0.0;
+        let (value, scale) = if is_factor { (scale, 1.0) } else { (1.0, scale) };
         let baked = transformed(&image, |[r, g, b, a]| {
             let x = scale * if has_alpha { a } else { (r + g + b) / 3.0 };
             let x = if invert { 1.0 - x } else { x }.max(0.0);
@@ -441,10 +469,7 @@ impl Definition<'_> {
         });
         let index = self.textures.images.ready(baked.clone());
         let texture = Texture { image: index, ..layout };
-        Ok(Scalar {
-            input: ScalarInput { value: 1.0, texture: Some((texture, Channel::R)) },
-            image: Some(baked),
-        })
+        Ok(Scalar { input: ScalarInput { value, texture: Some((texture, Channel::R)) }, image: Some(baked) })
     }
 
     /// None, and a warning, where there is no such image or it is damaged.

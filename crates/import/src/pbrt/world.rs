@@ -286,8 +286,16 @@ pub(super) fn is_textured(material: &Material) -> bool {
             reflectance.texture.is_some() || specular.texture.is_some() || rough(roughness)
         }
         Surface::MetallicRoughness(model) => {
-            let scalars = [&model.metallic, &model.roughness, &model.transmission, &model.clearcoat];
-            model.base_color.texture.is_some() || scalars.iter().any(|s| s.texture.is_some())
+            let scalars = [
+                &model.metallic,
+                &model.roughness,
+                &model.transmission,
+                &model.clearcoat,
+                &model.clearcoat_roughness,
+                &model.anisotropy,
+            ];
+            let colors = [&model.base_color, &model.sheen_color];
+            colors.iter().any(|c| c.texture.is_some()) || scalars.iter().any(|s| s.texture.is_some())
         }
     };
     surface || opacity.is_some() || material.normal_map.is_some() || material.emission.texture.is_some()

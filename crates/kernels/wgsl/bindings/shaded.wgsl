@@ -71,7 +71,11 @@ fn add_texture(plain: RawMaterial, slot: u32, rgba: vec4<f32>, value: f32) -> Ra
     switch slot {
         case SLOT_COLOR: { raw.color = saturate(raw.color * rgba.xyz); }
         case SLOT_EMISSION: { raw.emission = max(raw.emission * rgba.xyz, vec3<f32>(0.0)); }
-        case SLOT_SPECULAR_COLOR: { raw.specular_color = max(raw.specular_color * rgba.xyz, vec3<f32>(0.0)); }
+        case SLOT_SPECULAR_COLOR: {
+            // glTF's may exceed 1: what it reflects is cut off there.
+            let most = select(1.0, 1e30, raw.kind == SURFACE_METALLIC_ROUGHNESS);
+            raw.specular_color = clamp(raw.specular_color * rgba.xyz, vec3<f32>(0.0), vec3<f32>(most));
+        }
         case SLOT_ROUGHNESS: { raw.roughness.x = saturate(raw.roughness.x * value); }
         case SLOT_ROUGHNESS_ACROSS: { raw.roughness.y = saturate(raw.roughness.y * value); }
         case SLOT_METALLIC: { raw.metallic = saturate(raw.metallic * value); }

@@ -153,9 +153,10 @@ fn has_stretched_curves(alpha: vec2<f32>, flags: u32) -> bool {
     return may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y && !has_inside(flags) && !is_single_bounce(flags);
 }
 
-/// Whether the losses are of facets of two α that bend what they transmit.
+/// Whether the losses are of facets of two α that bend what they transmit; of single bounces none is given
+/// back.
 fn has_solid_losses(alpha: vec2<f32>, flags: u32) -> bool {
-    return may_have(FEATURE_STRETCHED_SOLIDS) && alpha.x != alpha.y && has_inside(flags);
+    return may_have(FEATURE_STRETCHED_SOLIDS) && alpha.x != alpha.y && has_inside(flags) && !is_single_bounce(flags);
 }
 
 fn coat_alpha(raw: RawMaterial) -> f32 {

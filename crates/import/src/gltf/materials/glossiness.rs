@@ -3,13 +3,10 @@
 use glam::Vec3;
 use midway_scene::MetallicRoughness;
 
-use super::Reader;
+use super::{F0, Reader};
 use crate::{ImportError, gltf::json::Json, warning::WarningKind};
 
 pub(super) const EXTENSION: &str = "KHR_materials_pbrSpecularGlossiness";
-
-/// Reflectance at normal incidence of a dielectric of index 1.5, which colours are relative to.
-const F0: f32 = 0.04;
 
 impl Reader<'_, '_> {
     /// A dielectric whose reflectance at normal incidence is the specular colour. The base colour

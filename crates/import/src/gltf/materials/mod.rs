@@ -15,6 +15,9 @@ use crate::{
 
 const UNLIT: &str = "KHR_materials_unlit";
 
+/// Reflectance at normal incidence of a dielectric of index 1.5, which specular colours are relative to.
+const F0: f32 = 0.04;
+
 /// All materials, in the file's order.
 pub(super) fn read_all(
     root: &Json,
@@ -23,6 +26,11 @@ pub(super) fn read_all(
 ) -> Result<Vec<Material>, ImportError> {
     let mut reader = Reader { textures, warnings };
     root.items("materials")?.iter().map(|definition| reader.material(definition)).collect()
+}
+
+/// That of primitives which name none: as an empty definition, a white metal as rough as can be.
+pub(super) fn default_material() -> Material {
+    Material::new(surface::plain())
 }
 
 struct Reader<'r, 'a> {

@@ -6,7 +6,7 @@ use midway_scene::{
     ScalarInput, Surface,
 };
 
-use super::{Base, Reader, glossiness};
+use super::{Base, F0, Reader, glossiness};
 use crate::{ImportError, gltf::json::Json, images::Encoding, warning::WarningKind};
 
 /// The least attenuation colour: a channel that is black at some distance absorbs this much.
@@ -28,6 +28,7 @@ impl Reader<'_, '_> {
         }
         self.specular(material, &mut model)?;
         self.transmission(material, &mut model)?;
+        self.ior(material, &mut model)?;
         self.dispersion(material, &mut model)?;
         self.coat(material, &mut model)?;
         self.sheen(material, &mut model)?;
@@ -36,7 +37,6 @@ impl Reader<'_, '_> {
     }
 
     fn specular(&mut self, material: &Json, model: &mut MetallicRoughness) -> Result<(), ImportError> {
-        model.ior = self.ior(material)?;
         let Some(specular) = material.extension("KHR_materials_specular") else {
             return Ok(());
         };
@@ -55,18 +55,26 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    fn ior(&mut self, material: &Json) -> Result<f32, ImportError> {
-        const DEFAULT: f32 = 1.5;
+    /// 0 stands for an index beyond all bounds: all light is reflected that `KHR_materials_specular` lets.
+    fn ior(&mut self, material: &Json, model: &mut MetallicRoughness) -> Result<(), ImportError> {
         let Some(extension) = material.extension("KHR_materials_ior") else {
-            return Ok(DEFAULT);
+            return Ok(());
         };
-        let ior = extension.float_or("ior", DEFAULT)?;
+        let ior = extension.float_or("ior", model.ior)?;
         if ior > 0.0 {
-            return Ok(ior);
+            model.ior = ior;
+        } else if ior < 0.0 {
+            let message = "indices of refraction below 0 are taken as 1.5";
+            self.warnings.add(WarningKind::Repaired, extension.pointer(), message);
+        } else {
+            // By the default index it is the colour that reflects it.
+            model.specular_color.value /= F0;
+            if model.transmission.value > 0.0 {
+                let message = "what transmits by an index of refraction of 0 bends light as by 1.5";
+                self.warnings.add(WarningKind::Approximation, extension.pointer(), message);
+            }
         }
-        let message = "indices of refraction of 0 are taken as 1.5";
-        self.warnings.add(WarningKind::Repaired, extension.pointer(), message);
-        Ok(DEFAULT)
+        Ok(())
     }
 
     fn transmission(&mut self, material: &Json, model: &mut MetallicRoughness) -> Result<(), ImportError> {
@@ -168,6 +176,11 @@ impl Reader<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// That of a material of which nothing is said.
+pub(super) fn plain() -> Surface {
+    simplest(MetallicRoughness { metallic: 1.0.into(), ..MetallicRoughness::default() })
 }
 
 /// Whether a factor is a value everywhere.
