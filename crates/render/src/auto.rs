@@ -57,7 +57,7 @@ fn bdpt_ray_cost(kind: DeviceKind, features: u32, integrator: &IntegratorSetting
 pub struct Candidate {
     /// The integrator with its options.
     pub integrator: IntegratorSettings,
-    /// relMSE of one sample a pixel, without the worst 0.1 % of the pixels.
+    /// relMSE of one sample a pixel, relative to the means of blocks, without the worst 0.1 % of the pixels.
     pub relmse: f64,
     /// Work of one sample of a pixel, in rays of `path`.
     pub work: f64,

@@ -33,7 +33,7 @@ pub struct LaneSize {
     pub n_places: u32,
     /// Shadow rays that a slot may push in a bounce.
     pub n_shadow_rays: u32,
-    /// Slots of light vertices before the appended ones, as many for each place.
+    /// Slots of light vertices before the appended ones.
     pub append_at: u32,
     /// Light vertices that can be appended.
     pub append_capacity: u32,
@@ -252,14 +252,17 @@ impl Lane {
         self.uses
     }
 
+    /// Places that it was made with, for each path in flight.
+    pub fn most_places(&self) -> u32 {
+        self.most_places / self.size.n_paths
+    }
+
     /// Takes on another size, with no more places than it was made with, where its buffers have room for it.
     /// Only own light vertices may move.
     pub fn resize(&mut self, size: LaneSize) -> bool {
-        let n_places = size.n_places.min(self.most_places);
-        let append_at = size.append_at / size.n_places * n_places;
-        let size = LaneSize { n_places, append_at, ..size };
         let slots = |size: LaneSize| u64::from(size.append_at) + u64::from(size.append_capacity);
         let fits = size.n_paths == self.size.n_paths
+            && size.n_places <= self.most_places
             && size.n_shadow_rays <= self.size.n_shadow_rays
             && slots(size) <= slots(self.size);
         if fits {

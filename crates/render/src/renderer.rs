@@ -17,6 +17,7 @@ use std::{
         atomic::{AtomicBool, AtomicU32},
     },
     thread,
+    time::Duration,
 };
 
 use midway_device::{BoundKernel, Buffer, BufferUsage, Device, DeviceKind, MemoryPlan};
@@ -28,6 +29,7 @@ pub use basis::Basis;
 pub use megakernel::Megakernel;
 
 use self::{
+    batches::FEW_PLACES,
     kept::{Kept, load_kernels, make_film, n_pixels, put_on_device, read_image},
     passes::Pass,
 };
@@ -39,7 +41,7 @@ use crate::{
     pack::Packing,
     params::{mixed_seed, samples_by_tree},
     pool::{Pool, PoolSize},
-    sizes::plan_shared,
+    sizes::{MOST_PLACES, plan_shared},
 };
 
 /// Paths in flight of a GPU's first batch, before anything was measured.
@@ -88,6 +90,8 @@ pub struct Renderer {
     batch: AtomicU32,
     /// Whether they have taken neither too short nor too long.
     is_settled: AtomicBool,
+    /// Samples of the last pass, and how long they took.
+    last_pass: Option<(u32, Duration)>,
 }
 
 impl Renderer {
@@ -164,7 +168,8 @@ impl Renderer {
         let pipelines = &kept.pipelines;
         let mut shared = kept.shared.clone();
         let n_lanes = device.lanes() as u32;
-        let sizes = kept.sizes(&*device, &settings, mean_light_vertices)?;
+        let most_places = if kept.is_watched { FEW_PLACES } else { MOST_PLACES };
+        let sizes = kept.sizes(&*device, &settings, mean_light_vertices, most_places)?;
         tell(&sizes.plan);
         let size = sizes.lane;
         let pool = sizes
@@ -209,6 +214,7 @@ impl Renderer {
             kept,
             batch: AtomicU32::new(first_batch),
             is_settled: AtomicBool::new(false),
+            last_pass: None,
         })
     }
 

@@ -8,15 +8,17 @@ use crate::{IntegratorSettings, Join, RenderError, RenderSettings, aov, batch::L
 /// A pool's light vertices are given this much more room than the pilot's mean asks for: a pool that does not
 /// fit is an error.
 const POOL_ROOM: f64 = 1.25;
-/// Those of a batch this much, for what the pilot's mean may be off…
-const VERTEX_ROOM: f64 = 1.05;
-/// … so many times the mean for each root of its paths, for what their sum may be off…
-const VERTEX_SPREAD: f64 = 8.0;
+/// Light paths of the pilot that measures that mean.
+pub const PILOT_PATHS: u32 = 16_384;
+/// Those of a batch so many standard errors of the pilot's mean…
+const PILOT_ERRORS: f64 = 6.0;
+/// … and of the batch's own…
+const BATCH_ERRORS: f64 = 8.0;
 /// … and this many more, for small batches. A batch that does not fit is run in halves.
 const VERTEX_ROOM_LEAST: u32 = 1024;
 /// Places of a GPU's batch for each path in flight, at most: the more, the less the thin tail of its last
 /// bounces weighs…
-const MOST_PLACES: u32 = 64;
+pub const MOST_PLACES: u32 = 64;
 /// … and at least, where places take memory…
 const LEAST_PLACES: u32 = 4;
 /// … of which there are so many bytes for each path in flight where they keep light vertices, 768 MiB in all…
@@ -39,7 +41,8 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// The largest batch that pays on the device, halved until the plan fits.
+    /// The largest batch that pays on the device, halved until the plan fits. On a GPU it has `most_places`
+    /// for each path in flight at most.
     ///
     /// # Errors
     /// If even the smallest batch does not fit.
@@ -50,6 +53,7 @@ impl Sizes {
         n_light_paths: u32,
         n_lanes: u32,
         shared: &MemoryPlan,
+        most_places: u32,
     ) -> Result<Self, RenderError> {
         let integrator = &settings.integrator;
         let keeps_vertices = integrator.joins().is_some() && !integrator.uses_pool();
@@ -63,7 +67,7 @@ impl Sizes {
         let places_per_path = match device.kind {
             DeviceKind::Cpu => 1,
             DeviceKind::SoftwareGpu => PLACES_OF_SOFTWARE,
-            DeviceKind::Gpu => places_per_path(settings, mean_light_vertices),
+            DeviceKind::Gpu => places_per_path(settings, mean_light_vertices).min(most_places),
         };
         loop {
             let n_places = n_paths * places_per_path;
@@ -108,17 +112,29 @@ fn places_per_path(settings: &RenderSettings, mean_light_vertices: f32) -> u32 {
     }
     let bytes = if integrator.joins().is_some() { BYTES_OF_VERTICES } else { BYTES_OF_WORDS };
     let vertices = match integrator.joins() {
-        Some(Join::Full) => f64::from(mean_light_vertices) * VERTEX_ROOM,
+        Some(Join::Full) => vertices_of_a_path(mean_light_vertices),
         _ => f64::from(reserved_slots(settings, 1)),
     };
     let of_a_place = vertices * f64::from(k::VERTEX_STRIDE) * 16.0 + 8.0;
     ((bytes / of_a_place) as u32).clamp(LEAST_PLACES, MOST_PLACES)
 }
 
+/// The standard deviation of a path's light vertices: as many as it has, or, where few have any, their root.
+fn spread(mean_light_vertices: f64) -> f64 {
+    mean_light_vertices.max(mean_light_vertices.sqrt())
+}
+
+/// What a light path has at most, by the pilot.
+fn vertices_of_a_path(mean_light_vertices: f32) -> f64 {
+    let mean = f64::from(mean_light_vertices);
+    mean + PILOT_ERRORS * spread(mean) / f64::from(PILOT_PATHS).sqrt()
+}
+
 /// Room for the light vertices of so many paths of a batch.
 fn vertex_room(n_paths: u32, mean_light_vertices: f32) -> u32 {
-    let (n, mean) = (f64::from(n_paths), f64::from(mean_light_vertices));
-    (n * mean * VERTEX_ROOM + n.sqrt() * mean * VERTEX_SPREAD) as u32 + VERTEX_ROOM_LEAST
+    let n = f64::from(n_paths);
+    let own_error = BATCH_ERRORS * n.sqrt() * spread(mean_light_vertices.into());
+    (n * vertices_of_a_path(mean_light_vertices) + own_error) as u32 + VERTEX_ROOM_LEAST
 }
 
 fn lane_size(
@@ -214,11 +230,13 @@ mod tests {
         assert_eq!(places(k_step(u32::MAX / 8), 2.5), LEAST_PLACES);
     }
 
-    /// Eight standard errors of a sum whose terms spread as much as they are large.
+    /// The mean, six of the pilot's errors, 1 / 128 each, and eight of the batch's.
     #[test]
-    fn small_batches_have_more_room_for_a_path() {
-        let for_a_path = |n: u32| f64::from(vertex_room(n, 2.0) - VERTEX_ROOM_LEAST) / f64::from(n);
-        assert!((for_a_path(1024) - 2.0 * (1.05 + 0.25)).abs() < 0.01);
-        assert!((for_a_path(1 << 22) - 2.0 * 1.054).abs() < 0.01);
+    fn small_batches_and_sparse_vertices_have_more_room_for_a_path() {
+        let for_a_path =
+            |n: u32, mean: f32| f64::from(vertex_room(n, mean) - VERTEX_ROOM_LEAST) / f64::from(n);
+        assert!((for_a_path(1024, 2.0) - 2.0 * (1.0 + 6.0 / 128.0 + 0.25)).abs() < 0.01);
+        assert!((for_a_path(1 << 22, 2.0) - 2.0 * (1.0 + 6.0 / 128.0)).abs() < 0.01);
+        assert!((for_a_path(1 << 24, 0.01) - (0.01 + 0.1 * 6.0 / 128.0)).abs() < 0.001);
     }
 }

@@ -45,8 +45,11 @@ impl Team {
         tell: impl FnOnce(&MemoryPlan),
     ) -> Result<Self, RenderError> {
         let (first, rest) = devices.split_first().expect("a team has a device");
+        // The warm-up of `auto` is the first device's.
+        let has_groups = |other: &&RenderSettings| other.light_groups == settings.light_groups;
+        let ahead: Vec<_> = also.iter().filter(has_groups).cloned().collect();
         let start = |device: &Arc<dyn Device>| {
-            Renderer::with_plan(Arc::clone(device), scene, camera, without_layers(settings), also, |_| {})
+            Renderer::with_plan(Arc::clone(device), scene, camera, without_layers(settings), &ahead, |_| {})
         };
         thread::scope(|scope| {
             let others: Vec<_> = rest.iter().map(|device| scope.spawn(move || start(device))).collect();

@@ -21,7 +21,10 @@ const RUN_TARGET: Duration = Duration::from_millis(40);
 const RUN_LIMIT: Duration = Duration::from_millis(100);
 /// Places for each path in flight of batches that are to be over soon: before it is known how long they
 /// take, and where somebody looks on.
-const FEW_PLACES: u32 = 8;
+pub(super) const FEW_PLACES: u32 = 8;
+/// Passes grow until they last so long: whoever waits for the end of one (a limit of time, Ctrl-C, several
+/// devices) is to wait no longer.
+const PASS_TARGET: Duration = Duration::from_millis(250);
 
 /// Places of a pass that a lane works through at a time, with this many paths in flight at most.
 #[derive(Clone, Copy, Debug)]
@@ -114,7 +117,7 @@ impl Renderer {
                     }
                     used[index].fetch_add(n_vertices, Ordering::Relaxed);
                 }
-                self.adapt_batch(n_paths, lane);
+                self.adapt_batch(n_paths, n, lane);
                 first += n;
             }
             Ok(())
@@ -142,8 +145,9 @@ impl Renderer {
                 let Ok(first) = next.fetch_update(Ordering::Relaxed, Ordering::Relaxed, claim) else {
                     return Ok(());
                 };
-                run(device, lane, Batch { first, n_places: most.n_places.min(end - first), ..most })?;
-                self.adapt_batch(most.n_paths, lane);
+                let n_places = most.n_places.min(end - first);
+                run(device, lane, Batch { first, n_places, ..most })?;
+                self.adapt_batch(most.n_paths, n_places, lane);
                 if start.elapsed() >= time {
                     return Ok(());
                 }
@@ -166,27 +170,35 @@ impl Renderer {
         if is_soon_over { most.min(FEW_PLACES) } else { most }
     }
 
-    /// Samples of a pass that fills the lanes: few at first, and later no more than a quarter of what is done,
-    /// so that passes end often where that matters.
+    /// Samples of a pass that fills the lanes: few at first, then up to twice as many as in the last, as far as
+    /// these take no longer than a pass is to last.
     pub(super) fn samples_to_fill(&self) -> u32 {
         let per_sample = self.base.n_pixels;
         let places = |of: &dyn Fn(&Lane) -> u32| self.lanes.iter().map(of).sum::<u32>() / per_sample;
         let few = places(&|lane| lane.size().n_places.min(lane.size().n_paths * FEW_PLACES));
         let most = if self.kept.is_watched { few } else { places(&|lane| lane.size().n_places) };
-        most.min(few.max((self.samples / 4) as u32)).max(1)
+        let grown = self.last_pass.map_or(0.0, |(n, time)| {
+            let growth = PASS_TARGET.as_secs_f64() / time.as_secs_f64().max(1e-6);
+            f64::from(n) * growth.min(2.0)
+        });
+        most.min(few.max(grown as u32)).max(1)
     }
 
-    /// Doubles or halves a GPU's batch by how long its lists of commands took; any batch gives the
-    /// same samples.
-    fn adapt_batch(&self, n: u32, lane: &Lane) {
+    /// Enlarges or halves a GPU's batch of `n` paths in flight and `n_places` by how long its lists of commands
+    /// took; any batch gives the same samples.
+    fn adapt_batch(&self, n: u32, n_places: u32, lane: &Lane) {
         // A software GPU has no watchdog, and its lists take their time whatever they hold.
         if self.device.info().kind != DeviceKind::Gpu {
             return;
         }
         let longest = lane.take_longest_dispatch();
+        // What did not fill its slots says nothing of those that do.
+        if n_places < n {
+            return;
+        }
         let adapted = match longest {
             _ if longest > RUN_LIMIT => (n / 2).max(1),
-            // It grows no faster than its paths.
+            // A list with more paths takes longer by no more than their ratio.
             _ if longest < RUN_TARGET / 8 => n * 4,
             _ if longest < RUN_TARGET => n * 2,
             _ => n,

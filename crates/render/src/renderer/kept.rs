@@ -17,12 +17,10 @@ use crate::{
     pack::Packing,
     params::{base_params, join_factor},
     pool::POOL_KERNELS,
-    sizes::{Sizes, plan_scene, plan_shared},
+    sizes::{PILOT_PATHS, Sizes, plan_scene, plan_shared},
 };
 
-/// Light paths of the pilot that measures L.
-const PILOT_PATHS: u32 = 16_384;
-/// Its seed: fixed, so that L is the same for every seed.
+/// The seed of the pilot that measures L: fixed, so that L is the same for every seed.
 const PILOT_SEED: u32 = 0x9170_7001;
 
 /// What a change of settings starts from: the scene on its device, its film, and what was measured.
@@ -83,15 +81,19 @@ impl Kept {
         Ok(())
     }
 
+    /// Working buffers with so many places for a path in flight at most.
     pub fn sizes(
         &self,
         device: &dyn Device,
         settings: &RenderSettings,
         mean_light_vertices: f32,
+        most_places: u32,
     ) -> Result<Sizes, RenderError> {
         let shared = plan_shared(&self.scene_plan, settings, self.n_pixels, self.n_groups);
         let n_lanes = device.lanes() as u32;
-        Sizes::fit(device.info(), settings, mean_light_vertices, n_light_paths(settings), n_lanes, &shared)
+        let n_light_paths = n_light_paths(settings);
+        let info = device.info();
+        Sizes::fit(info, settings, mean_light_vertices, n_light_paths, n_lanes, &shared, most_places)
     }
 }
 

@@ -16,10 +16,10 @@ use super::{
 };
 use crate::{
     Join, RenderError, RenderSettings,
-    batch::LaneUses,
+    batch::{Lane, LaneUses},
     buffers::Pipelines,
     pool::{POOL_KERNELS, PoolSize},
-    sizes::reserved_slots,
+    sizes::{MOST_PLACES, reserved_slots},
 };
 
 /// Of layers, and of what is shown.
@@ -84,8 +84,8 @@ impl Renderer {
         if keeps_samples { Ok(()) } else { self.restart() }
     }
 
-    /// Ends a pass early, between two of its batches, when `stop` is set; it is unset then. Batches are small
-    /// from here on.
+    /// Ends a pass early, between two of its batches, when `stop` is set; it is unset then. Batches have
+    /// few places for each path in flight from here on.
     pub fn stop_when(&mut self, stop: Arc<AtomicBool>) {
         (self.kept.stop, self.kept.is_watched) = (stop, true);
     }
@@ -133,7 +133,8 @@ impl Renderer {
         if self.lanes.iter().any(|lane| lane.uses() != LaneUses::of(settings)) {
             return Ok(false);
         }
-        let sizes = self.kept.sizes(&*self.device, settings, mean_light_vertices)?;
+        let most_places = self.lanes.first().map_or(MOST_PLACES, Lane::most_places);
+        let sizes = self.kept.sizes(&*self.device, settings, mean_light_vertices, most_places)?;
         match (&self.pool, sizes.pool) {
             (Some((_, have)), Some(_)) => {
                 let regions: u32 = self.lanes.iter().map(|lane| lane.size().append_capacity).sum();

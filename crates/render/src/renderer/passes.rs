@@ -17,6 +17,8 @@ pub(super) struct Pass {
     n_places: u32,
     /// Places that are on the film: all before this one.
     next: u32,
+    /// Time spent on them.
+    spent: Duration,
 }
 
 impl Renderer {
@@ -56,6 +58,7 @@ impl Renderer {
             let Batch { first: first_path, n_paths, n_places } = batch;
             self.render_batch(device, lane, Params { first_path, n_paths, n_places, ..params })
         })?;
+        pass.spent += start.elapsed();
         if self.kept.stop.swap(false, Ordering::Relaxed) {
             self.restart()?;
             return Ok(Some(0));
@@ -64,6 +67,7 @@ impl Renderer {
             self.pass = Some(pass);
             return Ok(None);
         }
+        self.last_pass = Some((pass.n_samples, pass.spent));
         self.count_samples(pass.n_samples)?;
         self.next_sample += u64::from(pass.n_samples);
         Ok(Some(u64::from(pass.n_samples)))
@@ -88,7 +92,7 @@ impl Renderer {
         if self.pool.is_some() {
             self.trace_pool(&params)?;
         }
-        Ok(Pass { params, n_samples, n_places: params.n_pixels * n_samples, next: 0 })
+        Ok(Pass { params, n_samples, n_places: params.n_pixels * n_samples, next: 0, spent: Duration::ZERO })
     }
 
     /// Samples of the next pass, of at most `max_samples`.
