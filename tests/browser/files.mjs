@@ -1,7 +1,7 @@
 // Files that come to the page: dropped, chosen, or refused.
 
 import { strict as assert } from "node:assert";
-import { copyFileSync, mkdirSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { out, scenes, step } from "./support.mjs";
 
@@ -37,7 +37,12 @@ export async function files(viewer) {
   await step("a folder, a sky and other files are dropped on it", async () => {
     const folder = join(out, "my lamp");
     mkdirSync(join(folder, "notes"), { recursive: true });
-    for (const name of ["lamp.gltf", "lamp.bin"]) copyFileSync(join(scenes, name), join(folder, name));
+    // The scene's file refers to what lies beside its folder, but within what is dropped.
+    for (const part of ["scenes", "parts"]) mkdirSync(join(folder, part), { recursive: true });
+    const scene = readFileSync(join(scenes, "lamp.gltf"), "utf8");
+    assert.ok(scene.includes('"lamp.bin"'));
+    writeFileSync(join(folder, "scenes", "lamp.gltf"), scene.replace('"lamp.bin"', '"../parts/lamp.bin"'));
+    copyFileSync(join(scenes, "lamp.bin"), join(folder, "parts", "lamp.bin"));
     writeFileSync(join(folder, "notes", "read me.txt"), "not a scene");
     await viewer.drop(folder);
     await viewer.says("scene-name", "lamp.gltf");

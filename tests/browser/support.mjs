@@ -96,7 +96,7 @@ export class Viewer {
 
   figure(id) { return this.page.textContent(`#${id}`); }
 
-  async samples() { return Number((await this.figure("f-samples")).replace(/\D.*$|,/g, "")); }
+  async samples() { return Number((await this.figure("f-samples")).replace(/,/g, "").replace(/\D.*$/, "")); }
 
   wait(condition, value) { return this.page.waitForFunction(condition, value, { timeout: SLOW, polling: 50 }); }
 
@@ -105,9 +105,23 @@ export class Viewer {
     return this.wait(([id, text]) => document.getElementById(id).textContent.includes(text), [id, text]);
   }
 
+  /** Until what was shown gave way to pictures of fewer samples, as after a change. */
+  async anew(change) {
+    const before = await this.samples();
+    await change();
+    await this.wait((n) => Number(document.getElementById("f-samples").textContent.replace(/,/g, "").replace(/\D.*$/, "")) < n, before);
+  }
+
+  /** Until another picture is shown, as after a change while all is still. */
+  async another(change) {
+    const before = await this.page.evaluate(() => document.body.dataset.frame);
+    await change();
+    await this.wait((before) => document.body.dataset.frame !== before, before);
+  }
+
   /** Until there are more samples than this. */
   moreThan(n) {
-    return this.wait((n) => Number(document.getElementById("f-samples").textContent.replace(/,/g, "")) > n, n);
+    return this.wait((n) => Number(document.getElementById("f-samples").textContent.replace(/,/g, "").replace(/\D.*$/, "")) > n, n);
   }
 
   shot(name) { return this.page.screenshot({ path: join(out, `${name}.png`) }); }

@@ -79,13 +79,12 @@ async function steers(viewer) {
     };
     const box = await (await page.$("#picture")).boundingBox();
     const [dx, dy] = [0.1 * box.height, -0.05 * box.height];
-    const drag = async (sign) => {
+    const drag = (sign) => viewer.anew(async () => {
       await page.mouse.move(box.x + 300, box.y + 300);
       await page.mouse.down();
       await page.mouse.move(box.x + 300 + sign * dx, box.y + 300 + sign * dy, { steps: 12 });
       await page.mouse.up();
-      await page.waitForTimeout(400); // until the view rests
-    };
+    });
     const before = await look("before.exr");
     await drag(1);
     assert.equal(await page.evaluate(() => document.getElementById("cameras").selectedIndex), -1);
@@ -103,8 +102,9 @@ async function steers(viewer) {
     const [noise, moved] = [distance(before.picture, again.picture), distance(before.picture, turned.picture)];
     assert.ok(moved > 4 * noise, `${moved} by the orbit, ${noise} between two pictures of one view`);
     await page.focus("#picture");
-    for (let i = 0; i < 4; i++) await page.keyboard.press("ArrowLeft");
-    await page.waitForTimeout(400);
+    await viewer.anew(async () => {
+      for (let i = 0; i < 4; i++) await page.keyboard.press("ArrowLeft");
+    });
     const byKeys = await look("keys.exr");
     assert.ok(apart(yaw(byKeys) - yaw(again), -4 * 0.08) < 0.01, `${yaw(again)} to ${yaw(byKeys)}`);
     await page.keyboard.press("+");
@@ -136,7 +136,9 @@ async function steers(viewer) {
     await viewer.pause();
     const before = await viewer.picture();
     await page.focus("#picture");
-    for (let i = 0; i < 2; i++) await page.keyboard.press("]");
+    await viewer.another(async () => {
+      for (let i = 0; i < 2; i++) await page.keyboard.press("]");
+    });
     assert.equal(Number(await page.inputValue("#exposure")), 1);
     await viewer.rest();
     const after = await viewer.picture();

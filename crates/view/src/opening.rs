@@ -1,14 +1,15 @@
 //! Files that are opened: read, decoded and packed on a thread of their own, so that the picture goes on.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use midway_import::Variants;
+use midway_import::{Options, Variants};
 use midway_scene::Image;
 
 use crate::{
     ViewError,
     beside::Beside,
     engine::{Engine, Seed},
+    uploads::Uploaded,
 };
 
 /// What a file turned out to be.
@@ -35,7 +36,7 @@ type Outcome = Result<Arrival, ViewError>;
 #[derive(Default)]
 pub struct Opening {
     running: Beside<Arrival>,
-    next: Option<(PathBuf, Seed)>,
+    next: Option<(Uploaded, Seed)>,
 }
 
 impl Opening {
@@ -43,8 +44,8 @@ impl Opening {
     ///
     /// # Errors
     /// If the system refuses a thread.
-    pub fn start(&mut self, path: PathBuf, seed: Seed) -> Result<(), ViewError> {
-        self.next = Some((path, seed));
+    pub fn start(&mut self, uploaded: Uploaded, seed: Seed) -> Result<(), ViewError> {
+        self.next = Some((uploaded, seed));
         self.go_on()
     }
 
@@ -60,7 +61,7 @@ impl Opening {
 
     fn go_on(&mut self) -> Result<(), ViewError> {
         match self.next.take_if(|_| self.running.is_free()) {
-            Some((path, seed)) => self.running.start(move || open(&path, seed)),
+            Some((uploaded, seed)) => self.running.start(move || open(uploaded, seed)),
             None => Ok(()),
         }
     }
@@ -72,16 +73,18 @@ pub fn name_of(path: &Path) -> String {
 }
 
 /// A scene or an environment, by its extension.
-fn open(path: &Path, seed: Seed) -> Outcome {
+fn open(uploaded: Uploaded, seed: Seed) -> Outcome {
+    let path = &*uploaded.file;
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let refused = |error: midway_import::ImportError| ViewError::Refused(error.to_string());
     let (opened, warnings) = if extension == "hdr" || extension == "exr" {
         let (image, warnings) = midway_import::load_environment(path).map_err(refused)?;
         (Opened::Environment(image), warnings)
     } else {
-        let import = midway_import::load(path).map_err(refused)?;
-        let engine = Box::new(Engine::new(import.scene, seed)?);
-        (Opened::Scene(engine, import.variants), import.warnings)
+        let options = Options { root: Some(uploaded.folder), ..Options::default() };
+        let (loaded, warnings) = midway_import::load_with(path, &options);
+        let (scene, variants) = loaded.map_err(refused)?;
+        (Opened::Scene(Box::new(Engine::new(scene, seed)?), variants), warnings)
     };
     Ok(Arrival { name: name_of(path), opened, warnings: warnings.iter().map(ToString::to_string).collect() })
 }

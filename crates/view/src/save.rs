@@ -24,6 +24,9 @@ pub enum Format {
 /// How long a picture to be saved is waited for.
 const PATIENCE: Duration = Duration::from_secs(10);
 
+/// Pictures that wait at once, at most.
+const MOST: usize = 16;
+
 /// Where a picture that was asked for goes: its bytes, or why there are none.
 pub type Answer = oneshot::Sender<Result<Vec<u8>, String>>;
 
@@ -51,9 +54,19 @@ impl Waiting {
         under_way && engine.rests() && !self.is_empty() && self.encoding.is_free()
     }
 
-    /// Another is asked for.
+    /// Another is asked for; one of too many is refused.
     pub fn push(&mut self, format: Format, answer: Answer) {
+        self.forget_gone();
+        if self.asked.len() >= MOST {
+            let _ = answer.send(Err("too many pictures are being saved: save again later".to_owned()));
+            return;
+        }
         self.asked.push((format, answer, Instant::now()));
+    }
+
+    /// Forgets those whose browser has gone.
+    fn forget_gone(&mut self) {
+        self.asked.retain(|(_, answer, _)| !answer.is_closed());
     }
 
     /// Has the first encoded where there is a picture by now, `taken` by its format; refuses those that have
@@ -67,6 +80,7 @@ impl Waiting {
         taken: impl FnOnce(&Engine, Format) -> Result<Encode, ViewError>,
     ) -> Result<(), ViewError> {
         self.encoding.done().transpose()?;
+        self.forget_gone();
         if self.is_empty() || !self.encoding.is_free() {
             return Ok(());
         }

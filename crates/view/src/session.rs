@@ -1,7 +1,6 @@
 //! The other side of the render thread ([`crate::worker`]): requests go in, frames and figures come out.
 
 use std::{
-    path::PathBuf,
     sync::{Arc, atomic::AtomicUsize, mpsc},
     thread,
     time::Duration,
@@ -20,6 +19,7 @@ use crate::{
     frame::{Encoding, Frame},
     protocol::Request,
     save::{Answer, Format},
+    uploads::Uploaded,
     worker::{Telling, Worker},
 };
 
@@ -32,8 +32,8 @@ const EVENTS: usize = 64;
 pub enum Command {
     /// By the browser that steers.
     Request(Request),
-    /// To open a file on this machine, already confined.
-    Open(PathBuf),
+    /// To open a file that was uploaded.
+    Open(Uploaded),
     /// To give the picture as a file.
     Save(Format, Answer),
 }

@@ -26,6 +26,15 @@ pub struct Uploads {
     batches: Mutex<Vec<Batch>>,
 }
 
+/// A file that was uploaded.
+#[derive(Debug)]
+pub struct Uploaded {
+    /// Where it lies.
+    pub file: PathBuf,
+    /// The folder of all that was uploaded with it, which it may refer to.
+    pub folder: PathBuf,
+}
+
 struct Batch {
     number: u64,
     folder: TempDir,
@@ -71,16 +80,18 @@ impl Uploads {
         Ok(fs::write(target, bytes)?)
     }
 
-    /// The place of a file that was uploaded.
+    /// A file that was uploaded.
     ///
     /// # Errors
     /// [`ViewError::Refused`] where there is none.
-    pub fn find(&self, number: u64, path: &str) -> Result<PathBuf, ViewError> {
+    pub fn find(&self, number: u64, path: &str) -> Result<Uploaded, ViewError> {
         let none = || ViewError::Refused("no such file was uploaded".into());
         let relative = confined(path).ok_or_else(none)?;
         let batches = self.batches.lock().unwrap_or_else(PoisonError::into_inner);
         let batch = batches.iter().find(|batch| batch.number == number).ok_or_else(none)?;
-        Some(batch.folder.path().join(relative)).filter(|path| path.is_file()).ok_or_else(none)
+        let folder = batch.folder.path().to_owned();
+        let file = folder.join(relative);
+        if file.is_file() { Ok(Uploaded { file, folder }) } else { Err(none()) }
     }
 }
 
@@ -135,7 +146,7 @@ mod tests {
         let uploads = Uploads::new();
         uploads.write(1, "s/a.bin", b"one").unwrap();
         uploads.write(2, "a.bin", b"two").unwrap();
-        let first = uploads.find(1, "s/a.bin").unwrap();
+        let first = uploads.find(1, "s/a.bin").unwrap().file;
         assert_eq!(fs::read(&first).unwrap(), b"one");
         assert!(uploads.find(1, "a.bin").is_err() && uploads.find(3, "a.bin").is_err());
         assert!(uploads.find(1, "s").is_err(), "a folder is no file");

@@ -1,7 +1,6 @@
 //! The thread that renders: requests in, frames and figures out. It never waits for a browser.
 
 use std::{
-    path::PathBuf,
     sync::{
         Arc,
         atomic::{AtomicUsize, Ordering},
@@ -24,7 +23,7 @@ use crate::{
     beside::{Beside, put_away},
     changing::{Changing, News},
     engine::{Engine, Half, Prepared, Seed},
-    frame::Encoding,
+    frame::{Encoding, Pixels},
     measured::Measured,
     opening::{Arrival, Opened, Opening, name_of},
     pick,
@@ -32,6 +31,7 @@ use crate::{
     save::{self, Waiting},
     session::{Command, QUEUE, Session, Start},
     told::{figures, scene_message},
+    uploads::Uploaded,
 };
 
 /// How often figures are told.
@@ -139,7 +139,7 @@ impl Worker {
                 Err(RecvTimeoutError::Timeout) => {}
             }
             let rendered = match (ends_pass, idle) {
-                (true, _) => self.engine.end_pass(),
+                (true, _) => self.end_pass(),
                 (false, true) => Ok(()),
                 (false, false) => self.render(),
             };
@@ -175,7 +175,7 @@ impl Worker {
         self.stale = true;
         match command {
             Command::Request(request) => self.obey_request(request),
-            Command::Open(path) => self.open(path),
+            Command::Open(uploaded) => self.open(uploaded),
             Command::Save(format, answer) => {
                 self.saves.push(format, answer);
                 Ok(())
@@ -282,8 +282,8 @@ impl Worker {
     }
 
     /// Begins to open a scene or an environment; the picture goes on meanwhile.
-    fn open(&mut self, path: PathBuf) -> Result<(), ViewError> {
-        self.event(&json!({ "type": "notice", "text": format!("opening {}", name_of(&path)) }));
+    fn open(&mut self, uploaded: Uploaded) -> Result<(), ViewError> {
+        self.event(&json!({ "type": "notice", "text": format!("opening {}", name_of(&uploaded.file)) }));
         let engine = &self.engine;
         let seed = Seed {
             device: Arc::clone(&self.device),
@@ -292,7 +292,7 @@ impl Worker {
             hold_time: engine.hold_time(),
             haste: engine.haste.clone(),
         };
-        self.opening.start(path, seed)
+        self.opening.start(uploaded, seed)
     }
 
     /// Shows a scene that was opened, or has an environment prepared.
@@ -323,6 +323,16 @@ impl Worker {
         }
     }
 
+    /// Goes on with the pass that a save waits for; what is shown of the last one may have changed.
+    fn end_pass(&mut self) -> Result<(), ViewError> {
+        self.engine.end_pass()?;
+        if self.stale && self.engine.has_picture() {
+            let pixels = self.engine.pixels(false)?;
+            self.show(pixels);
+        }
+        Ok(())
+    }
+
     fn render(&mut self) -> Result<(), ViewError> {
         let engine = &mut self.engine;
         let settled = self.paused && !engine.is_moving() && engine.is_whole();
@@ -336,14 +346,18 @@ impl Worker {
         let Some(pixels) = pixels else { return Ok(()) };
         let every = if engine.left.seconds < LATE { SHOW_EVERY } else { SHOW_LATE };
         if pixels.moving || self.stale || self.shown_at.elapsed() >= every {
-            self.stale = pixels.moving;
-            self.shown_at = Instant::now();
-            self.telling.encoding.show(pixels);
+            self.show(pixels);
         }
         let engine = &self.engine;
         let is_of_this =
             self.opened == 0 && engine.camera == self.reference_camera && engine.settings.crop.is_none();
         self.measured.measure(engine, self.reference.as_ref().filter(|_| is_of_this))
+    }
+
+    fn show(&mut self, pixels: Pixels) {
+        self.stale = pixels.moving;
+        self.shown_at = Instant::now();
+        self.telling.encoding.show(pixels);
     }
 
     fn event(&self, event: &Value) {

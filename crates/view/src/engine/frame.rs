@@ -153,7 +153,9 @@ impl Engine {
             self.haste.begin(true);
             let rendered = self.left.render(1, REFINE, REFINE);
             self.haste.begin(false);
-            rendered?;
+            if !rendered? {
+                self.restart()?; // it was stopped, and both halves are of as much time
+            }
         }
         Ok(())
     }
