@@ -650,6 +650,23 @@ fn textures_keep_factors_above_1() {
     assert!(matches!(used(&import.scene).opacity, Opacity::Blend(input) if input.value == 4.0));
 }
 
+/// Texels above 1 are multiplied before they are cut.
+#[test]
+fn factors_below_1_darken_floats() {
+    let folder = Folder::new();
+    // One texel of 4: mantissas 128, exponent 131.
+    let texel = [128u8, 128, 128, 131];
+    let hdr = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &texel].concat();
+    folder.write("bright.hdr", hdr);
+    let alpha =
+        "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"bright.hdr\" \"float scale\" .125";
+    let text = format!("{HANDED}WorldBegin\n{alpha}\n{TRIANGLE} \"texture alpha\" \"a\"");
+    let import = load(&folder.write("scene.pbrt", text)).unwrap();
+    let Opacity::Blend(input) = used(&import.scene).opacity else { panic!() };
+    let image = &import.scene.images[input.texture.unwrap().0.image as usize];
+    assert!((input.value * image.texels.linear(0)[0] - 0.5).abs() <= 1e-4);
+}
+
 #[test]
 fn images_mix_materials_and_shine_on_cloth() {
     let folder = Folder::new();

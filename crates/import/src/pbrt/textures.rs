@@ -460,7 +460,8 @@ impl Definition<'_> {
             return Ok(1.0.into());
         };
         let has_alpha = (0..image.texels.len()).any(|i| image.texels.linear(i)[3] < 1.0);
-        let is_factor = !invert && scale >= 0.0;
+        // Factors up to 1 are part of the texels: of floats above 1 more is left.
+        let is_factor = !invert && scale > 1.0;
         let (value, scale) = if is_factor { (scale, 1.0) } else { (1.0, scale) };
         let baked = transformed(&image, |[r, g, b, a]| {
             let x = scale * if has_alpha { a } else { (r + g + b) / 3.0 };
