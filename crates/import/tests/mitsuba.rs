@@ -449,8 +449,6 @@ fn emitters_become_lights() {
     assert_eq!((environment.radiance, environment.image), (Vec3::splat(0.5), None));
 }
 
-/// Mitsuba 3.9.1 finds the left edge of the image in the direction -z and a quarter of it at +x; here
-/// that is half of the image.
 #[test]
 fn an_environment_without_its_image_is_named() {
     let sky = "<emitter type='envmap'><string name='filename' value='sky.exr'/></emitter>";
@@ -459,6 +457,8 @@ fn an_environment_without_its_image_is_named() {
     assert!(says(&import, "the environment's image \"sky.exr\" does not exist"), "{:?}", import.warnings);
 }
 
+/// Mitsuba 3.9.1 finds the left edge of the image in the direction -z and a quarter of it at +x; here
+/// that is half of the image.
 #[test]
 fn environments_are_turned_as_in_mitsuba() {
     let folder = Folder::new();

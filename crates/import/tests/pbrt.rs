@@ -451,7 +451,21 @@ fn materials_may_be_named_before_they_are_defined() {
     // What never comes, and what comes of itself.
     let (import, warnings) = read("NamedMaterial \"a\"", "");
     assert_eq!((used(&import.scene).surface, warnings.len()), (Surface::diffuse(Vec3::splat(0.8)), 1));
-    read("NamedMaterial \"a\"", &mix("a", "a", "b"));
+    let (_, warnings) = read("NamedMaterial \"a\"", &format!("{black}\n{}", mix("a", "a", "b")));
+    assert_eq!(warnings, [WarningKind::Approximation]);
+
+    // However long the way, and to what never comes.
+    let chain = |end: &str| {
+        let links: String =
+            (0..100).map(|i| mix(&format!("m{i}"), &format!("m{}", i + 1), "b") + "\n").collect();
+        let (import, warnings) =
+            read("NamedMaterial \"m60\"", &format!("{links}{black}\n{}", end.replace("\"a\"", "\"m100\"")));
+        (used(&import.scene).surface, warnings)
+    };
+    let (surface, warnings) = chain(red);
+    let Surface::Diffuse { reflectance } = surface else { panic!("{surface:?}") };
+    assert_eq!((reflectance.value.x > 0.0, reflectance.value.y, warnings), (true, 0.0, vec![]));
+    assert_eq!(chain("").1, [WarningKind::Approximation]);
 }
 
 #[test]

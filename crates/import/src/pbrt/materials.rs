@@ -78,6 +78,11 @@ impl Materials {
         self.named.get(name).is_some_and(|index| !self.is_awaited(*index))
     }
 
+    /// The index of a name that is known.
+    pub fn index_of(&self, name: &str) -> Option<usize> {
+        self.named.get(name).copied()
+    }
+
     /// One by name. Where there is none yet, a place for it in v4; in v3 grey, and a warning.
     pub fn named(&mut self, name: &str, place: &Place, version: Version, warnings: &mut Warnings) -> usize {
         match self.named.get(name) {
