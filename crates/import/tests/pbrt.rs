@@ -681,6 +681,35 @@ fn factors_below_1_darken_floats() {
     assert!((input.value * image.texels.linear(0)[0] - 0.5).abs() <= 1e-4);
 }
 
+/// A small file of many texels that many textures are made of, alike and each in its own way.
+#[test]
+fn images_made_of_images_are_bounded_by_their_files() {
+    let folder = Folder::new();
+    let side = 4096;
+    let file = png(side, side, &vec![[0; 3]; (side * side) as usize]);
+    folder.write("black.png", &file);
+    let read = |scale: &dyn Fn(usize) -> f32| {
+        let textures: String = (1..=12)
+            .map(|i| {
+                let scale = scale(i);
+                format!(
+                    "Texture \"t{i}\" \"float\" \"imagemap\" \"string filename\" \"black.png\" \"float scale\" {scale}\n"
+                )
+            })
+            .collect();
+        let text = format!("{HANDED}WorldBegin\n{textures}{TRIANGLE}");
+        load(&folder.write("scene.pbrt", text)).unwrap()
+    };
+    let alike = read(&|_| 0.5);
+    assert_eq!((alike.scene.images.len(), kinds(&alike)), (1, vec![]));
+    let apart = read(&|i| 0.05 * i as f32);
+    let made: usize = apart.scene.images.iter().map(|image| image.texels.len()).sum();
+    // The file's own texels count too.
+    let limit = (1 << 26) + 512 * file.len() - (side * side) as usize;
+    assert!(made <= limit && made > (side * side) as usize, "{made} {limit}");
+    assert_eq!(kinds(&apart), [WarningKind::Texture]);
+}
+
 #[test]
 fn images_mix_materials_and_shine_on_cloth() {
     let folder = Folder::new();
