@@ -33,7 +33,7 @@ pub(crate) fn sheen(
     let color = |values: &[Vec3]| {
         let luminance = values[0].dot(LUMINANCE);
         let hue = if luminance > 0.0 { values[0] / luminance } else { Vec3::ONE };
-        (Vec3::ONE + (hue - Vec3::ONE) * values[1]) * values[2]
+        (Vec3::ONE + (hue - Vec3::ONE) * values[1].clamp(Vec3::ZERO, Vec3::ONE)) * values[2]
     };
     // Without a tint the base is of no matter.
     let base = if tint.value == 0.0 { Vec3::ONE.into() } else { base.clone() };
@@ -42,7 +42,7 @@ pub(crate) fn sheen(
         return Sheen { color, is_whole: true };
     }
     let plain = |strength: Input| {
-        [ColorInput::from(base.value).into(), ScalarInput::from(tint.value.min(1.0)).into(), strength]
+        [ColorInput::from(base.value).into(), ScalarInput::from(tint.value).into(), strength]
     };
     let in_part = images.computed(&plain(strength.clone().into()), color);
     let flat = || color(&[base.value, Vec3::splat(tint.value), Vec3::splat(strength.value)]);
@@ -52,7 +52,7 @@ pub(crate) fn sheen(
 
 /// glTF's roughness of a coat by its gloss: α from 0.1 to 0.001.
 pub(crate) fn coat_roughness(images: &mut Images, gloss: &ScalarInput) -> ScalarInput {
-    let roughness = |gloss: Vec3| (0.1 + (0.001 - 0.1) * gloss).map(f32::sqrt);
+    let roughness = |gloss: Vec3| (0.1 + (0.001 - 0.1) * gloss.clamp(Vec3::ZERO, Vec3::ONE)).map(f32::sqrt);
     let computed = images.computed_scalar(&[gloss.clone().into()], move |values| roughness(values[0]));
-    computed.unwrap_or_else(|| roughness(Vec3::splat(gloss.value.min(1.0))).x.into())
+    computed.unwrap_or_else(|| roughness(Vec3::splat(gloss.value)).x.into())
 }

@@ -195,10 +195,12 @@ impl Mixer<'_> {
             Input::Scalar(ScalarInput { value, texture: None }) => Vec3::splat(*value),
             _ => return None,
         };
-        Some(first + (second - first) * share)
+        Some(first + (second - first) * share.clamp(Vec3::ZERO, Vec3::ONE))
     }
 }
 
+/// Of reflectances and a share, which images times factors above 1 may exceed.
 fn lerp(values: &[Vec3]) -> Vec3 {
-    values[0] + (values[1] - values[0]) * values[2]
+    let [first, second, share] = [0, 1, 2].map(|i| values[i].min(Vec3::ONE));
+    first + (second - first) * share
 }

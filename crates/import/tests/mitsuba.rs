@@ -310,6 +310,16 @@ fn mixed_diffuse_bsdfs_are_their_sum() {
         assert!(reflectance.value == Vec3::ONE && reflectance.texture.is_some());
         close(&texels, &expected);
     }
+    // Shares above 1 are cut before they mix.
+    let by_four = image("weight", "a.bmp").replacen(
+        "<texture name='weight' ",
+        "<texture name='weight' type='scale'><float name='scale' value='4'/><texture ",
+        1,
+    );
+    let blend =
+        format!("<bsdf type='blendbsdf'>{by_four}</texture>{}{}</bsdf>", diffuse("0.2"), diffuse("0.6"));
+    let (_, texels, _) = mixed(&blend);
+    close(&texels, &[0.2, 0.52, 0.6, 0.6]);
     let three = format!(
         "<bsdf type='mixturebsdf'><string name='weights' value='0.5, 0.25, 0.25'/>{}{}{}</bsdf>",
         diffuse("0.4"),
@@ -394,6 +404,13 @@ fn textures_of_a_principled_sheen_and_coat_count() {
     let (model, texels) = principled(&format!("{coat}{}", image("clearcoat_gloss", "a.bmp")));
     assert!(model.clearcoat_roughness.texture.is_some());
     near(&texels, [0.0, 0.2, 0.4, 1.0].map(|gloss: f32| (0.1 - 0.099 * gloss).sqrt()));
+    let scaled = image("clearcoat_gloss", "a.bmp").replacen(
+        "<texture name='clearcoat_gloss' ",
+        "<texture name='clearcoat_gloss' type='scale'><float name='scale' value='4'/><texture ",
+        1,
+    );
+    let (_, texels, _) = mixed(&format!("<bsdf type='principled'>{coat}{scaled}</texture></bsdf>"));
+    near(&texels, [0.0, 0.8, 1.0, 1.0].map(|gloss: f32| (0.1 - 0.099 * gloss).sqrt()));
     let (plain, _) = principled("<float name='sheen' value='0.5'/><float name='clearcoat_gloss' value='1'/>");
     assert_eq!(plain.sheen_color, Vec3::splat(0.5).into());
     assert!((plain.clearcoat_roughness.value - 0.001f32.sqrt()).abs() <= 1e-6);
@@ -432,8 +449,6 @@ fn emitters_become_lights() {
     assert_eq!((environment.radiance, environment.image), (Vec3::splat(0.5), None));
 }
 
-/// Mitsuba 3.9.1 finds the left edge of the image in the direction -z and a quarter of it at +x; here
-/// that is half of the image.
 #[test]
 fn an_environment_without_its_image_is_named() {
     let sky = "<emitter type='envmap'><string name='filename' value='sky.exr'/></emitter>";
@@ -442,6 +457,8 @@ fn an_environment_without_its_image_is_named() {
     assert!(says(&import, "the environment's image \"sky.exr\" does not exist"), "{:?}", import.warnings);
 }
 
+/// Mitsuba 3.9.1 finds the left edge of the image in the direction -z and a quarter of it at +x; here
+/// that is half of the image.
 #[test]
 fn environments_are_turned_as_in_mitsuba() {
     let folder = Folder::new();

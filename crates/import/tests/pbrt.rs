@@ -451,7 +451,21 @@ fn materials_may_be_named_before_they_are_defined() {
     // What never comes, and what comes of itself.
     let (import, warnings) = read("NamedMaterial \"a\"", "");
     assert_eq!((used(&import.scene).surface, warnings.len()), (Surface::diffuse(Vec3::splat(0.8)), 1));
-    read("NamedMaterial \"a\"", &mix("a", "a", "b"));
+    let (_, warnings) = read("NamedMaterial \"a\"", &format!("{black}\n{}", mix("a", "a", "b")));
+    assert_eq!(warnings, [WarningKind::Approximation]);
+
+    // However long the way, and to what never comes.
+    let chain = |end: &str| {
+        let links: String =
+            (0..100).map(|i| mix(&format!("m{i}"), &format!("m{}", i + 1), "b") + "\n").collect();
+        let (import, warnings) =
+            read("NamedMaterial \"m60\"", &format!("{links}{black}\n{}", end.replace("\"a\"", "\"m100\"")));
+        (used(&import.scene).surface, warnings)
+    };
+    let (surface, warnings) = chain(red);
+    let Surface::Diffuse { reflectance } = surface else { panic!("{surface:?}") };
+    assert_eq!((reflectance.value.x > 0.0, reflectance.value.y, warnings), (true, 0.0, vec![]));
+    assert_eq!(chain("").1, [WarningKind::Approximation]);
 }
 
 #[test]
@@ -648,6 +662,52 @@ fn textures_keep_factors_above_1() {
     let text = format!("{HANDED}WorldBegin\n{alpha}\n{TRIANGLE} \"texture alpha\" \"a\"");
     let import = load(&folder.write("scene.pbrt", text)).unwrap();
     assert!(matches!(used(&import.scene).opacity, Opacity::Blend(input) if input.value == 4.0));
+}
+
+/// Texels above 1 are multiplied before they are cut.
+#[test]
+fn factors_below_1_darken_floats() {
+    let folder = Folder::new();
+    // One texel of 4: mantissas 128, exponent 131.
+    let texel = [128u8, 128, 128, 131];
+    let hdr = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &texel].concat();
+    folder.write("bright.hdr", hdr);
+    let alpha =
+        "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"bright.hdr\" \"float scale\" .125";
+    let text = format!("{HANDED}WorldBegin\n{alpha}\n{TRIANGLE} \"texture alpha\" \"a\"");
+    let import = load(&folder.write("scene.pbrt", text)).unwrap();
+    let Opacity::Blend(input) = used(&import.scene).opacity else { panic!() };
+    let image = &import.scene.images[input.texture.unwrap().0.image as usize];
+    assert!((input.value * image.texels.linear(0)[0] - 0.5).abs() <= 1e-4);
+}
+
+/// A small file of many texels that many textures are made of, alike and each in its own way.
+#[test]
+fn images_made_of_images_are_bounded_by_their_files() {
+    let folder = Folder::new();
+    let side = 4096;
+    let file = png(side, side, &vec![[0; 3]; (side * side) as usize]);
+    folder.write("black.png", &file);
+    let read = |scale: &dyn Fn(usize) -> f32| {
+        let textures: String = (1..=12)
+            .map(|i| {
+                let scale = scale(i);
+                format!(
+                    "Texture \"t{i}\" \"float\" \"imagemap\" \"string filename\" \"black.png\" \"float scale\" {scale}\n"
+                )
+            })
+            .collect();
+        let text = format!("{HANDED}WorldBegin\n{textures}{TRIANGLE}");
+        load(&folder.write("scene.pbrt", text)).unwrap()
+    };
+    let alike = read(&|_| 0.5);
+    assert_eq!((alike.scene.images.len(), kinds(&alike)), (1, vec![]));
+    let apart = read(&|i| 0.05 * i as f32);
+    let made: usize = apart.scene.images.iter().map(|image| image.texels.len()).sum();
+    // The file's own texels count too.
+    let limit = (1 << 26) + 512 * file.len() - (side * side) as usize;
+    assert!(made <= limit && made > (side * side) as usize, "{made} {limit}");
+    assert_eq!(kinds(&apart), [WarningKind::Texture]);
 }
 
 #[test]

@@ -56,6 +56,15 @@ pub(crate) struct Images {
     known_requests: HashMap<(usize, Encoding), u32>,
     held_bytes: u64,
     scaled: Vec<Scaled>,
+    /// What was read at once, or why it was not, each once.
+    read: HashMap<(PathBuf, Encoding), Result<Image, Problem>>,
+    /// The sizes of their files.
+    read_files: HashMap<PathBuf, u64>,
+    /// The sum of those.
+    read_bytes: u64,
+    /// Texels of what was read at once, and of what importers made.
+    made_texels: u64,
+    lacked_room: bool,
 }
 
 /// An image that is multiplied by more than 1 where the product is to be at most 1.
@@ -142,8 +151,62 @@ impl Images {
     /// An image that an importer made.
     pub fn ready(&mut self, image: Image) -> u32 {
         let name = image.name.clone();
+        self.made_texels = self.made_texels.saturating_add(image.texels.len() as u64);
         self.sources.push(Source::Ready(image));
         self.request(self.sources.len() - 1, Encoding::Linear, name, &Place::default())
+    }
+
+    /// An image in the scene's folder, at once: for what has to be computed from it. Each is decoded once, and
+    /// kept.
+    ///
+    /// # Errors
+    ///
+    /// [`ImportError`] where it is not there, leaves the folder, cannot be decoded, or has more texels than the
+    /// files that were read hold.
+    pub fn read_now(
+        &mut self,
+        folder: &SceneFolder,
+        name: &str,
+        encoding: Encoding,
+        place: &Place,
+    ) -> Result<Image, ImportError> {
+        let key = (folder.find(name, place)?, encoding);
+        let known = self.read.get(&key).cloned();
+        let image = known.unwrap_or_else(|| {
+            let image = self.read_first(&key.0, encoding);
+            self.read.insert(key, image.clone());
+            image
+        });
+        image.map_err(|problem| ImportError::Malformed { place: place.clone(), problem: problem.to_string() })
+    }
+
+    fn read_first(&mut self, path: &Path, encoding: Encoding) -> Result<Image, Problem> {
+        let source = Source::File(path.to_owned());
+        let [width, height] = source.size()?;
+        let bytes = source.bytes_of_file();
+        if self.read_files.insert(path.to_owned(), bytes).is_none() {
+            self.read_bytes = self.read_bytes.saturating_add(bytes);
+        }
+        let n_texels = u64::from(width) * u64::from(height);
+        if n_texels > self.room() {
+            return Err(Problem::BeyondFiles { width, height });
+        }
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let image = source.decode()?.image(file, encoding);
+        self.made_texels += n_texels;
+        Ok(image)
+    }
+
+    /// Whether an image of so many texels may be made yet; if not, a warning says at the end that it is one
+    /// colour.
+    pub fn has_room(&mut self, n_texels: u64) -> bool {
+        let is_room = n_texels <= self.room();
+        self.lacked_room |= !is_room;
+        is_room
+    }
+
+    fn room(&self) -> u64 {
+        limit(self.held_bytes.saturating_add(self.read_bytes)).saturating_sub(self.made_texels)
     }
 
     /// Notes that an image is multiplied where the product is to be at most 1: there it is cut off as it is
@@ -188,6 +251,11 @@ impl Images {
     /// and replaced.
     pub fn decode(mut self, warnings: &mut Warnings) -> Vec<Image> {
         let (admitted, mut room) = self.admit();
+        self.read.clear();
+        if self.lacked_room {
+            let message = "textures that are made of images are too large: they have one colour";
+            warnings.add(WarningKind::Texture, "", message);
+        }
         let decoded: Vec<Result<Decoded, Problem>> = self
             .sources
             .par_iter()
@@ -220,8 +288,10 @@ impl Images {
     fn admit(&mut self) -> (Vec<Result<(), Problem>>, u64) {
         let sizes: Vec<_> = self.sources.par_iter().map(Source::size).collect();
         let held = self.sources.iter().map(Source::bytes_of_file).fold(self.held_bytes, u64::saturating_add);
-        let limit = held.saturating_mul(TEXELS_PER_BYTE).saturating_add(FREE_TEXELS);
-        let mut total = 0u64;
+        let is_source = |path: &PathBuf| self.known_sources.contains_key(&Key::File(path.clone()));
+        let read = self.read_files.iter().filter(|(path, _)| !is_source(path)).map(|(_, bytes)| *bytes);
+        let limit = limit(read.fold(held, u64::saturating_add));
+        let mut total = self.made_texels;
         let admit = |size: Result<[u32; 2], Problem>| {
             let [width, height] = size?;
             total = total.saturating_add(u64::from(width) * u64::from(height));
@@ -250,22 +320,9 @@ impl Reading {
     }
 }
 
-/// An image in the scene's folder, at once: for what has to be computed from it.
-///
-/// # Errors
-///
-/// [`ImportError`] where it is not there, leaves the folder, or cannot be decoded.
-pub(crate) fn read_now(
-    folder: &SceneFolder,
-    name: &str,
-    encoding: Encoding,
-    place: &Place,
-) -> Result<Image, ImportError> {
-    let source = Source::File(folder.find(name, place)?);
-    let malformed =
-        |problem: Problem| ImportError::Malformed { place: place.clone(), problem: problem.to_string() };
-    let file = Path::new(name).file_name().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(source.decode().map_err(malformed)?.image(file, encoding))
+/// Texels that files of so many bytes may have.
+fn limit(bytes: u64) -> u64 {
+    bytes.saturating_mul(TEXELS_PER_BYTE).saturating_add(FREE_TEXELS)
 }
 
 /// An image file that is named beside the scene, at once; what was repaired in it.
@@ -285,8 +342,7 @@ pub(crate) fn read_file(
     };
     let extension = extension(path);
     let [width, height] = decode::size(&bytes, extension.as_deref()).map_err(malformed)?;
-    let limit = (bytes.len() as u64).saturating_mul(TEXELS_PER_BYTE).saturating_add(FREE_TEXELS);
-    if u64::from(width) * u64::from(height) > limit {
+    if u64::from(width) * u64::from(height) > limit(bytes.len() as u64) {
         return Err(malformed(Problem::BeyondFiles { width, height }));
     }
     let decoded = decode::decode(&bytes, extension.as_deref()).map_err(malformed)?;
@@ -306,7 +362,7 @@ impl Source {
         match self {
             Self::File(path) => decode::size_of_file(path),
             Self::Bytes(bytes) => decode::size(bytes.get(), None),
-            // Made already: asks for nothing more.
+            // Counted when it was made.
             Self::Ready(_) => Ok([0, 0]),
         }
     }

@@ -123,9 +123,11 @@ impl Loader<'_> {
             if is_nothing(first) && !is_nothing(second) {
                 return self.in_part(second, weight, depth);
             }
-            let rest = self.images.computed_scalar(&[weight.clone().into()], |values| Vec3::ONE - values[0]);
-            if let (true, Some(rest)) = (is_nothing(second), rest) {
-                return self.in_part(first, rest, depth);
+            if is_nothing(second) {
+                let of_second = [weight.clone().into()];
+                if let Some(rest) = self.images.computed_scalar(&of_second, |values| Vec3::ONE - values[0]) {
+                    return self.in_part(first, rest, depth);
+                }
             }
             let parts = [self.bsdf(first, depth + 1)?, self.bsdf(second, depth + 1)?];
             let heaviest = usize::from(weight.value > 0.5);

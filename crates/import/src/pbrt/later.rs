@@ -1,21 +1,24 @@
 //! Materials that are named before they are defined, which v4 allows: what shapes got of them is put right
 //! at the end.
 
-use std::{collections::BTreeMap, rc::Rc};
+use std::{
+    collections::{BTreeMap, HashMap, VecDeque},
+    rc::Rc,
+};
 
 use midway_scene::{Material, ScalarInput, Surface};
 
 use super::{colours::ColourSpace, directives::Interpreter, params::Params};
-use crate::ImportError;
+use crate::{ImportError, warning::WarningKind};
 
-/// Mixtures of mixtures that are resolved, at most: what mixes itself never ends.
-const MAX_DEPTH: usize = 32;
+/// A mixture that waits for its parts, and its index.
+type Awaited = (usize, Params, ColourSpace);
 
 /// What waits for definitions.
 #[derive(Default)]
 pub(super) struct Later {
     /// Mixtures of materials that are not there yet, by their index.
-    pub mixtures: Vec<(usize, Params, ColourSpace)>,
+    pub mixtures: Vec<Awaited>,
     /// By the scene's material.
     undressed: BTreeMap<u32, Undressed>,
 }
@@ -42,21 +45,48 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Reads the mixtures that were put off, those first whose parts are there.
+    /// Reads the mixtures that were put off, each after those it is made of. What mixes itself is grey there,
+    /// and a warning says so.
     pub(super) fn define_mixtures(&mut self) -> Result<(), ImportError> {
-        for depth in 0..MAX_DEPTH {
-            let mixtures = std::mem::take(&mut self.later.mixtures);
-            let is_last = depth + 1 == MAX_DEPTH;
-            for (index, params, colour_space) in mixtures {
-                if !is_last && self.is_mixture_of_awaited("mix", &params)? {
-                    self.later.mixtures.push((index, params, colour_space));
-                    continue;
+        let mixtures = std::mem::take(&mut self.later.mixtures);
+        let mut of_material: HashMap<usize, Vec<usize>> = HashMap::new();
+        for (i, (index, ..)) in mixtures.iter().enumerate() {
+            of_material.entry(*index).or_default().push(i);
+        }
+        // By material, the mixtures that have it as a part, and of each mixture how many it waits for.
+        let mut users: HashMap<usize, Vec<usize>> = HashMap::new();
+        let mut n_awaited = vec![0; mixtures.len()];
+        for (i, (_, params, _)) in mixtures.iter().enumerate() {
+            for name in params.strings("materials")?.unwrap_or_default() {
+                let Some(part) = self.materials.index_of(name) else { continue };
+                if let Some(definitions) = of_material.get(&part) {
+                    n_awaited[i] += definitions.len();
+                    users.entry(part).or_default().push(i);
                 }
-                let material = self.definition("mix", &params, colour_space)?;
-                self.materials.fill(index, material);
             }
         }
+        let mut ready: VecDeque<usize> = (0..mixtures.len()).filter(|i| n_awaited[*i] == 0).collect();
+        while let Some(i) = ready.pop_front() {
+            let index = self.define_mixture(&mixtures[i])?;
+            for &user in users.get(&index).into_iter().flatten() {
+                n_awaited[user] -= 1;
+                if n_awaited[user] == 0 {
+                    ready.push_back(user);
+                }
+            }
+        }
+        for (mixture, _) in mixtures.iter().zip(n_awaited).filter(|(_, n)| *n > 0) {
+            let message = "mixtures of materials that mix themselves are of grey in their place";
+            self.warnings.add(WarningKind::Approximation, mixture.1.place.short(), message);
+            self.define_mixture(mixture)?;
+        }
         Ok(())
+    }
+
+    fn define_mixture(&mut self, (index, params, space): &Awaited) -> Result<usize, ImportError> {
+        let material = self.definition("mix", params, *space)?;
+        self.materials.fill(*index, material);
+        Ok(*index)
     }
 
     /// Gives the scene's materials what they were to be made of.

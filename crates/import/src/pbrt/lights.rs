@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     ImportError,
-    images::{self, Encoding},
+    images::Encoding,
     warning::{WarningKind, Warnings},
 };
 
@@ -174,7 +174,8 @@ impl Light<'_> {
             }
             return Ok(Found::Environment(Sky { radiance, image: None, transform }));
         };
-        let image = images::read_now(self.reader.folder, &file, Encoding::Srgb, &self.params.place)?;
+        let image =
+            textures.images.read_now(self.reader.folder, &file, Encoding::Srgb, &self.params.place)?;
         let finite = (0..image.texels.len()).all(|i| image.texels.linear(i).iter().all(|x| x.is_finite()));
         if !finite {
             return Err(self.params.malformed(format!("\"{}\" holds NaN or infinity", shortened(&file))));
@@ -185,6 +186,12 @@ impl Light<'_> {
         } else {
             layout
         };
+        // An octahedral map becomes twice its texels.
+        let n_texels = image.texels.len() as u64 * if layout == Layout::Octahedral { 2 } else { 1 };
+        if !textures.images.has_room(n_texels) {
+            let problem = format!("\"{}\" has more texels than files of this size hold", shortened(&file));
+            return Err(self.params.malformed(problem));
+        }
         if let Some(illuminance) = illuminance {
             let own = environment::illuminance(&image, layout);
             if own > 0.0 {

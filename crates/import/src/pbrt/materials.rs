@@ -78,6 +78,11 @@ impl Materials {
         self.named.get(name).is_some_and(|index| !self.is_awaited(*index))
     }
 
+    /// The index of a name that is known.
+    pub fn index_of(&self, name: &str) -> Option<usize> {
+        self.named.get(name).copied()
+    }
+
     /// One by name. Where there is none yet, a place for it in v4; in v3 grey, and a warning.
     pub fn named(&mut self, name: &str, place: &Place, version: Version, warnings: &mut Warnings) -> usize {
         match self.named.get(name) {
@@ -192,13 +197,18 @@ impl Definition<'_> {
         default: f32,
         remap: impl Fn(f32) -> f32,
     ) -> Result<Roughness, ImportError> {
+        let [u, v] = ["u", "v"].map(|axis| format!("{prefix}{axis}roughness"));
+        let is_isotropic = !self.params.has(&u) && !self.params.has(&v);
         let all = self.scalar(&format!("{prefix}roughness"))?.unwrap_or(default.into());
-        let along = self.scalar(&format!("{prefix}uroughness"))?.unwrap_or(all.clone());
-        let across = self.scalar(&format!("{prefix}vroughness"))?.unwrap_or(all);
+        let along = self.scalar(&u)?.unwrap_or(all.clone());
+        let across = self.scalar(&v)?.unwrap_or(all);
         let remaps = self.params.bool_or("remaproughness", true)?;
-        let [along, across] = [along, across].map(|scalar| {
-            self.textures.map(&scalar, |x| if remaps { remap(x.max(0.0)) } else { x.max(0.0) })
-        });
+        let mut map =
+            |scalar| self.textures.map(scalar, |x| if remaps { remap(x.max(0.0)) } else { x.max(0.0) });
+        let along_mapped = map(&along);
+        // One image serves both.
+        let across = if is_isotropic { along_mapped.clone() } else { map(&across) };
+        let along = along_mapped;
         Ok(Roughness { along, across, squared: false, single_bounce: true })
     }
 

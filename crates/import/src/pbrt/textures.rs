@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     ImportError,
-    images::{self, CUT_TO_ONE, Encoding, Images, LEAST_CUT},
+    images::{CUT_TO_ONE, Encoding, Images, LEAST_CUT},
     warning::{WarningKind, Warnings},
 };
 
@@ -32,6 +32,18 @@ pub(super) struct Textures {
     pub images: Images,
     colours: HashMap<String, ColorInput>,
     scalars: HashMap<String, Scalar>,
+    baked: HashMap<Baking, (u32, Image)>,
+}
+
+/// What makes a texture's image of a file's: where all is the same it is made once.
+#[derive(PartialEq, Eq, Hash)]
+struct Baking {
+    file: String,
+    encoding: Encoding,
+    /// The bits of the factor.
+    scale: u32,
+    invert: bool,
+    is_scalar: bool,
 }
 
 impl From<f32> for Scalar {
@@ -132,7 +144,7 @@ impl Textures {
             return f(scalar.input.value).into();
         };
         let value = scalar.input.value;
-        let mapped = transformed(image, |[x, _, _, a]| {
+        let mapped = transformed(&mut self.images, image, |[x, _, _, a]| {
             let y = f(value * if *channel == Channel::A { a } else { x });
             [y, y, y, 1.0]
         });
@@ -165,9 +177,14 @@ fn flipped([su, sv, du, dv]: [f32; 4]) -> Mat3 {
     Mat3::from_cols_array(&[su, 0.0, 0.0, 0.0, -sv, 0.0, du, 1.0 - dv, 1.0])
 }
 
-/// A function of each texel, cut off at 0 and 1, in 16 bits.
-fn transformed(image: &Image, f: impl Fn([f32; 4]) -> [f32; 4]) -> Image {
+/// A function of each texel, cut off at 0 and 1, in 16 bits; of the middle one where there is no room for all.
+fn transformed(images: &mut Images, image: &Image, f: impl Fn([f32; 4]) -> [f32; 4]) -> Image {
     let word = |x: f32| (x.clamp(0.0, 1.0) * 65535.0).round() as u16;
+    if !images.has_room(image.texels.len() as u64) {
+        let middle = (image.height / 2) as usize * image.width as usize + (image.width / 2) as usize;
+        let texels = Texels::Linear16([f(image.texels.linear(middle)).map(word)].into());
+        return Image { name: image.name.clone(), width: 1, height: 1, texels };
+    }
     let texels = (0..image.texels.len()).map(|i| f(image.texels.linear(i)).map(word)).collect();
     Image { texels: Texels::Linear16(texels), ..image.clone() }
 }
@@ -437,15 +454,15 @@ impl Definition<'_> {
             let texture = image.map(|image| Texture { image, ..layout });
             return Ok(ColorInput { value: Vec3::splat(scale), texture });
         }
-        let Some(image) = self.read_now(&file, encoding)? else {
-            return Ok(Vec3::ONE.into());
-        };
-        let baked = transformed(&image, |[r, g, b, a]| {
+        let baking = Baking { file, encoding, scale: scale.to_bits(), invert, is_scalar: false };
+        let bake = |(): &(), [r, g, b, a]: [f32; 4]| {
             let rgb = Vec3::new(r, g, b) * scale;
             let rgb = if invert { Vec3::ONE - rgb } else { rgb };
             rgb.clamp(Vec3::ZERO, Vec3::ONE).extend(a).to_array()
-        });
-        let image = self.textures.images.ready(baked);
+        };
+        let Some((image, _)) = self.baked(baking, |_| (), bake)? else {
+            return Ok(Vec3::ONE.into());
+        };
         Ok(ColorInput { value: Vec3::ONE, texture: Some(Texture { image, ..layout }) })
     }
 
@@ -456,25 +473,45 @@ impl Definition<'_> {
         let scale = self.params.float_or("scale", 1.0)?;
         let invert = self.params.bool_or("invert", false)?;
         let file = self.file()?.to_owned();
-        let Some(image) = self.read_now(&file, encoding)? else {
-            return Ok(1.0.into());
-        };
-        let has_alpha = (0..image.texels.len()).any(|i| image.texels.linear(i)[3] < 1.0);
-        let is_factor = !invert && scale >= 0.0;
+        // Factors up to 1 are part of the texels: of floats above 1 more is left.
+        let is_factor = !invert && scale > 1.0;
         let (value, scale) = if is_factor { (scale, 1.0) } else { (1.0, scale) };
-        let baked = transformed(&image, |[r, g, b, a]| {
-            let x = scale * if has_alpha { a } else { (r + g + b) / 3.0 };
+        let baking = Baking { file, encoding, scale: scale.to_bits(), invert, is_scalar: true };
+        let has_alpha = |image: &Image| (0..image.texels.len()).any(|i| image.texels.linear(i)[3] < 1.0);
+        let bake = |has_alpha: &bool, [r, g, b, a]: [f32; 4]| {
+            let x = scale * if *has_alpha { a } else { (r + g + b) / 3.0 };
             let x = if invert { 1.0 - x } else { x }.max(0.0);
             [x, x, x, 1.0]
-        });
-        let index = self.textures.images.ready(baked.clone());
+        };
+        let Some((index, baked)) = self.baked(baking, has_alpha, bake)? else {
+            return Ok(1.0.into());
+        };
         let texture = Texture { image: index, ..layout };
         Ok(Scalar { input: ScalarInput { value, texture: Some((texture, Channel::R)) }, image: Some(baked) })
     }
 
+    /// A function of each texel of a file and of what is known of all, and its index.
+    fn baked<T>(
+        &mut self,
+        baking: Baking,
+        of_all: impl Fn(&Image) -> T,
+        f: impl Fn(&T, [f32; 4]) -> [f32; 4],
+    ) -> Result<Option<(u32, Image)>, ImportError> {
+        if let Some(known) = self.textures.baked.get(&baking) {
+            return Ok(Some(known.clone()));
+        }
+        let Some(image) = self.read_now(&baking.file, baking.encoding)? else { return Ok(None) };
+        let all = of_all(&image);
+        let images = &mut self.textures.images;
+        let baked = transformed(images, &image, |texel| f(&all, texel));
+        let made = (images.ready(baked.clone()), baked);
+        self.textures.baked.insert(baking, made.clone());
+        Ok(Some(made))
+    }
+
     /// None, and a warning, where there is no such image or it is damaged.
     fn read_now(&mut self, file: &str, encoding: Encoding) -> Result<Option<Image>, ImportError> {
-        match images::read_now(self.reader.folder, file, encoding, &self.params.place) {
+        match self.textures.images.read_now(self.reader.folder, file, encoding, &self.params.place) {
             Ok(image) => Ok(Some(image)),
             Err(
                 error @ (ImportError::MissingBuffer { .. }
