@@ -314,14 +314,15 @@ mod tests {
         }
     }
 
-    /// Two that are alike are judged alike, though one of them has all strategies and is in the reference.
+    /// Two that are alike are judged alike, though one of them has all strategies and is in the reference. With a
+    /// few rare paths in a whole block, block means are too noisy to tell.
     #[test]
     fn rare_bright_paths_count_alike_in_all() {
         let [path, full] = candidates(&IntegratorSettings::default());
         let mut state = 1u32;
         let mut pixel = |_, _| {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            [if state >> 8 < (1 << 24) / 50 { 50.0 } else { 0.1 }; 3]
+            [if state >> 8 < (1 << 24) / 5 { 5.0 } else { 0.1 }; 3]
         };
         let mut warm_up = |integrator| WarmUp {
             integrator,
