@@ -33,7 +33,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 const RESERVED: &[(&str, &[&str])] = &[
     ("wgpu", &["device"]),
     ("naga", &["wgsl-cpu"]),
-    ("rayon", &["accel", "device", "import", "render"]),
+    ("rayon", &["accel", "device", "import", "render", "view"]),
     ("obvhs", &["accel"]),
     ("exr", &["film"]),
     ("png", &["film"]),
