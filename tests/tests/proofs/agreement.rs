@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use midway_device::Device;
+use midway_device::{Device, DeviceKind};
 use midway_film::Image;
 use midway_render::{Integrator, IntegratorSettings, JoinChoice, LightPaths};
 use midway_scene::Scene;
@@ -37,7 +37,7 @@ fn integrators_agree_on_all_lights_at_once() {
     agree(&lit::room_with_all_lights(), &integrators::path());
 }
 
-/// Every light and every material in one room, by every integrator on both devices: what one kind does to
+/// Every light and every material in one room, by every integrator on the CPU and on a real GPU: what one kind does to
 /// another is met too, as a spot's light on a coat seen in a mirror is.
 #[test]
 fn integrators_agree_on_every_light_and_material_at_once() {
@@ -65,12 +65,15 @@ fn integrators_agree_on_every_light_and_material_at_once() {
     for case in integrators::all().into_iter().filter(others) {
         check("CPU", &case, &on_cpu(&case, SAMPLES));
     }
-    if let Some(gpu) = gpu() {
-        // A software GPU takes long for each.
-        let cases = if is_nightly() { integrators::all().split_off(1) } else { one_of_each_kind() };
-        for case in cases {
-            check("GPU", &case, &on_gpu(&gpu, &case));
+    // A software GPU takes many minutes and 14 GB to compile kernels that know of everything.
+    match gpu().filter(|gpu| gpu.info().kind == DeviceKind::Gpu) {
+        Some(gpu) => {
+            let cases = if is_nightly() { integrators::all().split_off(1) } else { one_of_each_kind() };
+            for case in cases {
+                check("GPU", &case, &on_gpu(&gpu, &case));
+            }
         }
+        None => println!("not by a GPU: there is none but in software"),
     }
     report.finish();
 }
