@@ -54,9 +54,7 @@ export async function files(viewer) {
     await viewer.drop(join(out, "sky.hdr"));
     await viewer.wait(() => document.getElementById("env-strength").value === "1");
     await viewer.moreThan(4);
-    await page.waitForTimeout(700);
-    const { mean } = await viewer.seen();
-    assert.ok(mean > 1.1 * dark, `${mean} under a sky, ${dark} without`);
+    await viewer.sees(({ mean }) => mean > 1.1 * dark, `under a sky, ${dark} without`);
     // What another page drags here has no files of this machine's.
     const data = await page.evaluateHandle(() => {
       const dropped = new DataTransfer();

@@ -12,6 +12,8 @@ export const [program, out] = process.argv.slice(2, 4).map((path) => resolve(pat
 export const scenes = resolve(import.meta.dirname, "../../scenes");
 /** Nothing takes longer, on a machine that is busy. */
 export const SLOW = 60_000;
+/** Within which a picture of what is told comes. */
+const PICTURE = 15_000;
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const profile = mkdtempSync(join(tmpdir(), "midway-browser-"));
 /** Where servers keep what is uploaded: those that are killed leave it behind. */
@@ -170,9 +172,18 @@ export class Viewer {
     return { mean: sum / n, spread: Math.sqrt(Math.max(0, squares / n - (sum / n) ** 2)), n };
   }
 
-  async isNotBlack() {
-    const { mean, spread, n } = await this.seen();
-    assert.ok(mean > 2 && spread > 2 && n > 10_000, JSON.stringify({ mean, spread, n }));
+  /** Waits until what is seen is so: figures may come before the picture that they are of. */
+  async sees(condition, what) {
+    for (const until = Date.now() + PICTURE; ;) {
+      const seen = await this.seen();
+      if (condition(seen)) return seen;
+      assert.ok(Date.now() < until, `${what}: ${JSON.stringify(seen)}`);
+      await this.page.waitForTimeout(100);
+    }
+  }
+
+  isNotBlack() {
+    return this.sees(({ mean, spread, n }) => mean > 2 && spread > 2 && n > 10_000, "black");
   }
 
   /** What a press saves, as a file in OUT. */

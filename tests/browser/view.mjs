@@ -167,6 +167,28 @@ async function steers(viewer) {
     assert.equal(Number(await page.inputValue("#exposure")), 0);
   });
 
+  await step("what is decoded late replaces nothing newer", async () => {
+    const { late, shown } = await page.evaluate(async () => {
+      const [decode, shown] = [window.createImageBitmap, []];
+      let [calls, late] = [0, 0];
+      window.createImageBitmap = async (jpeg) => {
+        const waits = calls++ % 2 === 0;
+        const before = Number(document.body.dataset.frame);
+        if (waits) await new Promise((done) => setTimeout(done, 900));
+        if (waits && Number(document.body.dataset.frame) !== before) late++;
+        return decode(jpeg);
+      };
+      const watch = new MutationObserver(() => shown.push(Number(document.body.dataset.frame)));
+      watch.observe(document.body, { attributeFilter: ["data-frame"] });
+      await new Promise((done) => setTimeout(done, 4000));
+      window.createImageBitmap = decode;
+      watch.disconnect();
+      return { late, shown };
+    });
+    assert.ok(late > 0, "no frame was late");
+    assert.ok(shown.every((frame, i) => i === 0 || frame > shown[i - 1]), `${shown}`);
+  });
+
   await step("lights are mixed without rendering anew", async () => {
     const dim = (stops) => page.locator("#light-0").evaluate((slider, value) => {
       slider.value = value;
@@ -175,20 +197,16 @@ async function steers(viewer) {
     const bright = (await viewer.seen()).mean;
     await dim(-2);
     await viewer.moreThan(8);
-    await page.waitForTimeout(1000);
-    const [mixed, before] = [(await viewer.seen()).mean, await viewer.samples()];
-    assert.ok(mixed < 0.7 * bright, `${mixed} of ${bright}`);
+    await viewer.sees(({ mean }) => mean < 0.7 * bright, `two stops down, ${bright} before`);
+    const before = await viewer.samples();
     await dim(1);
-    await page.waitForTimeout(1500);
-    assert.ok((await viewer.seen()).mean > 1.1 * bright, "a stop up is brighter");
+    await viewer.sees(({ mean }) => mean > 1.1 * bright, `a stop up, ${bright} before`);
     assert.ok(await viewer.samples() > before, "the samples were forgotten");
     await page.locator("#lights").scrollIntoViewIfNeeded();
     await viewer.shot("lights");
     await page.click("#reset-lights");
     assert.equal(await page.inputValue("#light-0"), "0");
-    await page.waitForTimeout(1500);
-    const reset = (await viewer.seen()).mean;
-    assert.ok(Math.abs(reset / bright - 1) < 0.1, `${reset} of ${bright}`);
+    await viewer.sees(({ mean }) => Math.abs(mean / bright - 1) < 0.1, `${bright} before`);
   });
 
   await step("two integrators stand side by side", async () => {
@@ -300,7 +318,7 @@ async function keyboard(viewer) {
     const png = async (name) => readFileSync((await viewer.save(() => page.click("#save-png"), name)).path);
     await page.selectOption("#layer", "normal");
     await viewer.moreThan(2);
-    await page.waitForTimeout(500);
+    await viewer.pause();
     const shown = await viewer.picture();
     const saved = await page.evaluate(async (bytes) => {
       const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))]));
@@ -311,8 +329,8 @@ async function keyboard(viewer) {
     const at = 4 * ((shown.height >> 1) * shown.width + (shown.width >> 1));
     // JPEG on the page, eight bits in the file.
     saved.forEach((byte, i) => assert.ok(Math.abs(byte - shown.bytes[at + i]) <= 6, `${saved} in the file`));
+    await viewer.goOn();
     await page.selectOption("#layer", "beauty");
-    await page.waitForTimeout(500);
   });
 }
 

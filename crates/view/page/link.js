@@ -20,8 +20,14 @@ export class Link {
       this.handlers.closed?.({ known: true });
       this.comeBackLater();
     };
+    let newest = 0; // of the frames shown: two may be decoded at once, and end in either order
+    const isNewer = ({ sequence }) => {
+      if (socket !== this.socket || sequence <= newest) return false;
+      newest = sequence;
+      return true;
+    };
     socket.onmessage = (event) => {
-      if (event.data instanceof ArrayBuffer) this.receiveFrame(event.data);
+      if (event.data instanceof ArrayBuffer) this.receiveFrame(event.data, isNewer);
       else this.receive(JSON.parse(event.data));
     };
     this.socket = socket;
@@ -46,8 +52,8 @@ export class Link {
     this.handlers[message.type]?.(message);
   }
 
-  /** See frame.rs for the layout. Decoding frees the server to send the next. */
-  async receiveFrame(buffer) {
+  /** See frame.rs for the layout. Decoding frees the server to send the next; what is not newer is not shown. */
+  async receiveFrame(buffer, isNewer) {
     try {
       const view = new DataView(buffer);
       const [sequence, input, width, height, count] = [4, 8, 12, 16, 20].map((at) => view.getUint32(at, true));
@@ -58,7 +64,9 @@ export class Link {
         bitmaps.push(await createImageBitmap(jpeg));
         at += 4 + length;
       }
-      this.handlers.frame?.({ sequence, input, width, height, bitmaps });
+      const frame = { sequence, input, width, height, bitmaps };
+      if (isNewer(frame)) this.handlers.frame?.(frame);
+      else bitmaps.forEach((bitmap) => bitmap.close());
     } finally {
       this.send({ type: "decoded" });
     }
