@@ -44,12 +44,14 @@ export async function files(viewer) {
     writeFileSync(join(folder, "scenes", "lamp.gltf"), scene.replace('"lamp.bin"', '"../parts/lamp.bin"'));
     copyFileSync(join(scenes, "lamp.bin"), join(folder, "parts", "lamp.bin"));
     writeFileSync(join(folder, "notes", "read me.txt"), "not a scene");
-    await viewer.drop(folder);
+    await viewer.anew(() => viewer.drop(folder));
     await viewer.says("scene-name", "lamp.gltf");
     await viewer.moreThan(4);
     await viewer.isNotBlack();
     await viewer.shot("lamp");
+    await viewer.pause();
     const dark = (await viewer.seen()).mean;
+    await viewer.goOn();
     writeFileSync(join(out, "sky.hdr"), SKY);
     await viewer.drop(join(out, "sky.hdr"));
     await viewer.wait(() => document.getElementById("env-strength").value === "1");

@@ -46,7 +46,7 @@ async function runningRender(viewer) {
     await viewer.isNotBlack();
     await viewer.moreThan(await viewer.samples());
     await viewer.says("role", "read only");
-    for (const id of ["pause", "method", "save-exr", "file"]) assert.ok(await page.isDisabled(`#${id}`), id);
+    for (const id of ["pause", "method", "save-exr", "file", "folder"]) assert.ok(await page.isDisabled(`#${id}`), id);
     // What is left to be reached is reached, and no trap.
     const focused = () => page.evaluate(() => document.activeElement.id);
     await page.focus("#picture");

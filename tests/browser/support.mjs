@@ -107,11 +107,37 @@ export class Viewer {
     return this.wait(([id, text]) => document.getElementById(id).textContent.includes(text), [id, text]);
   }
 
+  /** How often samples were forgotten since this was first asked. */
+  forgotten() {
+    return this.page.evaluate(() => {
+      if (window.forgotten === undefined) {
+        const figure = document.getElementById("f-samples");
+        const count = () => Number(figure.textContent.replace(/,/g, "").replace(/\D.*$/, ""));
+        let last = count();
+        window.forgotten = 0;
+        new MutationObserver(() => {
+          const now = count();
+          if (now < last) window.forgotten += 1;
+          last = now;
+        }).observe(figure, { childList: true });
+      }
+      return window.forgotten;
+    });
+  }
+
   /** Until what was shown gave way to pictures of fewer samples, as after a change. */
   async anew(change) {
-    const before = await this.samples();
+    const before = await this.forgotten();
     await change();
-    await this.wait((n) => Number(document.getElementById("f-samples").textContent.replace(/,/g, "").replace(/\D.*$/, "")) < n, before);
+    await this.wait((before) => window.forgotten > before, before);
+  }
+
+  /** The samples, and the picture, while it is paused. */
+  async still() {
+    await this.pause();
+    const still = [await this.samples(), await this.picture()];
+    await this.goOn();
+    return still;
   }
 
   /** Until another picture is shown, as after a change while all is still. */

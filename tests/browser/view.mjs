@@ -39,20 +39,20 @@ async function pictures(viewer) {
 
   await step("it converges", async () => {
     await viewer.moreThan(40);
-    const long = await viewer.samples();
-    await page.click("#restart");
-    await viewer.wait((n) => Number(document.getElementById("f-samples").textContent.replace(/,/g, "")) < n, long);
-    const [early, first] = [Math.max(await viewer.samples(), 4), await viewer.picture()];
+    await viewer.anew(() => page.click("#restart"));
+    await viewer.moreThan(0);
+    const [early, first] = await viewer.still();
     await viewer.moreThan(4 * early);
-    const later = await viewer.picture();
-    await viewer.moreThan(8 * early);
-    const last = await viewer.picture();
+    const [, later] = await viewer.still();
+    await viewer.moreThan(16 * early);
+    const [, last] = await viewer.still();
     const [before, after] = [distance(first, last), distance(later, last)];
     assert.ok(after < 0.8 * before, `${before} to ${after}`);
     await viewer.shot("converged");
   });
 
   await step("what is saved has the bits of midway render", async () => {
+    await viewer.anew(() => page.click("#restart"));
     await viewer.moreThan(15);
     const saved = await viewer.save(() => page.click("#save-exr"), "saved.exr");
     assert.equal(saved.suggested, "cornell-box.exr");
@@ -75,7 +75,11 @@ async function steers(viewer) {
     // Between two pictures of one view is their noise alone.
     const look = async (name) => {
       await viewer.moreThan(30);
-      return { picture: await viewer.picture(), rows: headerOf((await viewer.save(() => page.click("#save-exr"), name)).path).rows };
+      await viewer.pause();
+      const picture = await viewer.picture();
+      const { rows } = headerOf((await viewer.save(() => page.click("#save-exr"), name)).path);
+      await viewer.goOn();
+      return { picture, rows };
     };
     const box = await (await page.$("#picture")).boundingBox();
     const [dx, dy] = [0.1 * box.height, -0.05 * box.height];
@@ -149,8 +153,10 @@ async function steers(viewer) {
     assert.ok(ratios.length > 1000, `${ratios.length} bytes`);
     const median = ratios[ratios.length >> 1];
     assert.ok(Math.abs(median - 2) < 0.05, `a stop is a factor of ${median}`);
-    for (let i = 0; i < 2; i++) await page.keyboard.press("[");
-    await page.keyboard.press("t");
+    await viewer.another(async () => {
+      for (let i = 0; i < 2; i++) await page.keyboard.press("[");
+      await page.keyboard.press("t");
+    });
     await viewer.wait(() => document.getElementById("tone").value === "agx");
     await viewer.rest();
     assert.ok(distance(before, await viewer.picture()) > 5, "AgX is another picture");
@@ -161,32 +167,37 @@ async function steers(viewer) {
     await viewer.wait(() => document.getElementById("layer").value === "normal");
     await page.waitForTimeout(1000);
     await viewer.shot("normals");
-    await page.selectOption("#layer", "beauty");
-    await page.waitForTimeout(2000);
+    await viewer.anew(() => page.selectOption("#layer", "beauty"));
+    await page.waitForTimeout(1300); // what the server says of controls counts again
     assert.equal(await page.inputValue("#layer"), "beauty");
     assert.equal(Number(await page.inputValue("#exposure")), 0);
   });
 
   await step("what is decoded late replaces nothing newer", async () => {
-    const { late, shown } = await page.evaluate(async () => {
-      const [decode, shown] = [window.createImageBitmap, []];
-      let [calls, late] = [0, 0];
-      window.createImageBitmap = async (jpeg) => {
-        const waits = calls++ % 2 === 0;
-        const before = Number(document.body.dataset.frame);
-        if (waits) await new Promise((done) => setTimeout(done, 900));
-        if (waits && Number(document.body.dataset.frame) !== before) late++;
-        return decode(jpeg);
+    await viewer.pause();
+    const frame = () => page.evaluate(() => Number(document.body.dataset.frame));
+    const before = await frame();
+    await page.evaluate(() => {
+      const decode = window.createImageBitmap;
+      window.createImageBitmap = (jpeg) => {
+        window.createImageBitmap = decode; // this one alone is late
+        window.held = new Promise((go) => { window.letGo = go; }).then(() => decode(jpeg));
+        return window.held;
       };
-      const watch = new MutationObserver(() => shown.push(Number(document.body.dataset.frame)));
-      watch.observe(document.body, { attributeFilter: ["data-frame"] });
-      await new Promise((done) => setTimeout(done, 4000));
-      window.createImageBitmap = decode;
-      watch.disconnect();
-      return { late, shown };
     });
-    assert.ok(late > 0, "no frame was late");
-    assert.ok(shown.every((frame, i) => i === 0 || frame > shown[i - 1]), `${shown}`);
+    await page.focus("#picture");
+    await page.keyboard.press("]");
+    await viewer.wait(() => "letGo" in window);
+    await page.keyboard.press("[");
+    await viewer.wait((before) => Number(document.body.dataset.frame) > before, before);
+    const newest = await frame();
+    await page.evaluate(async () => {
+      window.letGo();
+      await window.held;
+      await new Promise((done) => setTimeout(done, 100));
+    });
+    assert.equal(await frame(), newest);
+    await viewer.goOn();
   });
 
   await step("lights are mixed without rendering anew", async () => {
@@ -195,13 +206,14 @@ async function steers(viewer) {
       slider.dispatchEvent(new Event("input", { bubbles: true }));
     }, stops);
     const bright = (await viewer.seen()).mean;
-    await dim(-2);
+    await viewer.anew(() => dim(-2));
     await viewer.moreThan(8);
     await viewer.sees(({ mean }) => mean < 0.7 * bright, `two stops down, ${bright} before`);
-    const before = await viewer.samples();
+    const [before, forgotten] = [await viewer.samples(), await viewer.forgotten()];
     await dim(1);
     await viewer.sees(({ mean }) => mean > 1.1 * bright, `a stop up, ${bright} before`);
-    assert.ok(await viewer.samples() > before, "the samples were forgotten");
+    await viewer.moreThan(before);
+    assert.equal(await viewer.forgotten(), forgotten, "the samples were forgotten");
     await page.locator("#lights").scrollIntoViewIfNeeded();
     await viewer.shot("lights");
     await page.click("#reset-lights");
@@ -227,6 +239,36 @@ async function steers(viewer) {
     assert.equal(await viewer.samples(), held);
     await viewer.goOn();
     await viewer.moreThan(held);
+    // What is begun anew while it is paused has a first picture.
+    await viewer.pause();
+    const samples = await viewer.samples();
+    await viewer.another(() => page.click("#restart"));
+    await viewer.rest();
+    await viewer.isNotBlack();
+    const anew = await viewer.samples();
+    assert.ok(anew > 0 && anew < samples, `${anew} after ${samples}`);
+    await viewer.goOn();
+    await viewer.moreThan(anew);
+  });
+
+  await step("a page that comes anew has the camera as it was turned", async () => {
+    const eye = async () => headerOf((await viewer.save(() => page.click("#save-exr"), "eye.exr")).path).rows.map((row) => row[3]);
+    const scene = await eye();
+    await page.focus("#picture");
+    for (let i = 0; i < 5; i++) await page.keyboard.press("ArrowLeft");
+    await page.waitForTimeout(600); // it rests
+    const turned = await eye();
+    assert.ok(Math.hypot(...turned.map((value, i) => value - scene[i])) > 0.1, `${scene} to ${turned}`);
+    await page.reload();
+    await viewer.says("scene-name", "cornell-box");
+    await viewer.moreThan(2);
+    await page.focus("#picture");
+    await page.keyboard.press("ArrowLeft");
+    await page.keyboard.press("ArrowRight");
+    await page.waitForTimeout(600);
+    const again = await eye();
+    assert.ok(Math.hypot(...again.map((value, i) => value - turned[i])) < 1e-3, `${turned} to ${again}`);
+    await viewer.anew(() => page.selectOption("#cameras", "0"));
   });
 
   await step("a black picture says why", async () => {
@@ -292,6 +334,30 @@ async function keyboard(viewer) {
     await page.selectOption("#cameras", "0");
   });
 
+  await step("signs act in the picture alone where that is chosen", async () => {
+    const chosen = () => page.$$eval("#method, #exposure, #cameras", (all) => all.map((one) => one.value));
+    await page.focus("#picture");
+    await press("?");
+    await page.check("#keys-alone");
+    await viewer.isAccessible("the choice of keys");
+    await press("Escape");
+    await page.reload();
+    await viewer.moreThan(2);
+    await viewer.says("scene-name", "cornell-box");
+    const before = await chosen();
+    await page.focus("#pause");
+    await press("4", "f", "[");
+    assert.deepEqual(await chosen(), before);
+    await press("Escape", "4");
+    await viewer.says("f-integrator", "join=full");
+    await press("?");
+    await page.uncheck("#keys-alone");
+    await press("Escape");
+    await page.focus("#pause");
+    await press("2");
+    await viewer.wait(() => document.getElementById("f-integrator").textContent.startsWith("path "));
+  });
+
   await step("cameras are saved and deleted by keys", async () => {
     const names = () => page.$$eval("#saved option", (options) => options.map((one) => one.textContent));
     assert.deepEqual(await names(), ["none"]);
@@ -311,12 +377,13 @@ async function keyboard(viewer) {
     assert.deepEqual(await names(), ["choose", "view 3", "view 4"]);
     await page.reload();
     await viewer.moreThan(2);
+    await viewer.says("saved", "view 4");
     assert.deepEqual(await names(), ["choose", "view 3", "view 4"]);
   });
 
   await step("a PNG is saved as it is shown", async () => {
     const png = async (name) => readFileSync((await viewer.save(() => page.click("#save-png"), name)).path);
-    await page.selectOption("#layer", "normal");
+    await viewer.anew(() => page.selectOption("#layer", "normal"));
     await viewer.moreThan(2);
     await viewer.pause();
     const shown = await viewer.picture();

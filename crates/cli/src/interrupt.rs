@@ -1,5 +1,5 @@
-//! Ctrl-C, and SIGTERM, by which schedulers and `kill` end a program: the first asks to stop, the second does
-//! not ask. SIGHUP stays as it is: `nohup` has it ignored.
+//! Ctrl-C, SIGTERM, by which schedulers and `kill` end a program, and SIGHUP, when its terminal or connection
+//! goes: the first asks to stop, the second does not ask.
 
 use std::sync::{
     Arc,
@@ -8,12 +8,12 @@ use std::sync::{
 
 use crate::status::{OrStatus, Outcome, Status};
 
-/// Whether Ctrl-C has been pressed, or SIGTERM has come.
+/// Whether Ctrl-C has been pressed, or one of these signals has come.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Takes over both for the rest of the program.
+    /// Takes them over for the rest of the program.
     ///
     /// # Errors
     /// If the system refuses a handler.
@@ -27,17 +27,27 @@ impl Interrupt {
         })
         .or_status(Status::Internal)?;
         #[cfg(unix)]
-        interrupt.take_over_sigterm().or_status(Status::Internal)?;
+        interrupt.take_over_signals().or_status(Status::Internal)?;
         Ok(interrupt)
     }
 
     #[cfg(unix)]
-    fn take_over_sigterm(&self) -> std::io::Result<()> {
-        use signal_hook::{consts::SIGTERM, flag};
-        // In this order: the first signal finds the flag not set yet.
+    fn take_over_signals(&self) -> std::io::Result<()> {
+        use signal_hook::{
+            consts::{SIGHUP, SIGTERM},
+            flag,
+        };
+        // In this order: the first signal finds the flag not set yet. It is one of its own, as sessions that end
+        // may send SIGTERM right after SIGHUP.
         let code = Status::Interrupted.code().into();
-        flag::register_conditional_shutdown(SIGTERM, code, Arc::clone(&self.0))?;
+        let terminated = Arc::default();
+        flag::register_conditional_shutdown(SIGTERM, code, Arc::clone(&terminated))?;
+        flag::register(SIGTERM, terminated)?;
         flag::register(SIGTERM, Arc::clone(&self.0))?;
+        // A terminal that goes may send it twice, by the system and by the shell.
+        if !ignores_hangups() {
+            flag::register(SIGHUP, Arc::clone(&self.0))?;
+        }
         Ok(())
     }
 
@@ -51,4 +61,13 @@ impl Interrupt {
     pub fn press(&self) {
         self.0.store(true, Ordering::SeqCst);
     }
+}
+
+/// Whether SIGHUP is ignored, as `nohup` has it: it stays so. Taken to be so where the system does not say.
+#[cfg(unix)]
+fn ignores_hangups() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let bits = ignored.and_then(|bits| u64::from_str_radix(bits.trim(), 16).ok());
+    bits.is_none_or(|bits| bits & 1 << (signal_hook::consts::SIGHUP - 1) != 0)
 }

@@ -22,7 +22,7 @@ pub enum Status {
     Output,
     /// 6: the images cannot be compared: other sizes, or NaN or infinity in one.
     NotComparable,
-    /// 10: interrupted by Ctrl-C or SIGTERM; what was rendered until then has been written.
+    /// 10: interrupted by Ctrl-C, SIGTERM or SIGHUP; what was rendered until then has been written.
     Interrupted,
     /// 70: a mistake in Midway itself, to be reported.
     Panic,

@@ -20,7 +20,7 @@ use crate::{
 /// Height where neither flag nor camera says.
 const DEFAULT_HEIGHT: f32 = 512.0;
 
-/// Serves until Ctrl-C or SIGTERM.
+/// Serves until Ctrl-C, SIGTERM or SIGHUP.
 ///
 /// # Errors
 /// With the [`Status`] of what went wrong.

@@ -25,10 +25,12 @@ export function watchDrops(link, notice) {
     const plain = [...event.dataTransfer.files].map((file) => ({ path: file.name, file }));
     await open(entries.length ? (await Promise.all(entries.map((entry) => walk(entry, "")))).flat() : plain);
   });
-  document.getElementById("file").addEventListener("change", async (event) => {
-    await open([...event.target.files].map((file) => ({ path: file.webkitRelativePath || file.name, file })));
-    event.target.value = "";
-  });
+  for (const id of ["file", "folder"]) {
+    document.getElementById(id).addEventListener("change", async (event) => {
+      await open([...event.target.files].map((file) => ({ path: file.webkitRelativePath || file.name, file })));
+      event.target.value = "";
+    });
+  }
 }
 
 /** All files below an entry, with their paths. */

@@ -5,13 +5,13 @@ import { watchDrops } from "./drop.js";
 import { watchKeys } from "./keys.js";
 import { Lights } from "./lights.js";
 import { Link } from "./link.js";
-import { element, fillMethods, indexOf, method, put, say, showFigures, touch } from "./panel.js";
+import { element, fillMethods, indexOf, method, put, say, showFigures, showPaused, touch } from "./panel.js";
 import { plot } from "./plot.js";
 import { Saved } from "./saved.js";
 import { Stage } from "./stage.js";
 
 const NOTICE_MS = 5000;
-const state = { scene: null, status: null, input: 0, look: null, opened: null, readOnly: false };
+const state = { scene: null, status: null, input: 0, look: null, opened: null, readOnly: false, steers: true, picks: false };
 const camera = new Camera();
 
 fillMethods();
@@ -37,9 +37,9 @@ const link = new Link({
       : "Midway was started anew and does not know this browser any more. Open the address that it has printed.");
   },
   role({ steers, clients, read_only }) {
-    state.readOnly = read_only;
+    [state.readOnly, state.steers] = [read_only, steers];
     element("take").hidden = steers || read_only;
-    document.querySelectorAll("#panel fieldset, #panel .buttons button, #file").forEach((one) => { one.disabled = read_only; });
+    document.querySelectorAll("#panel fieldset, #panel .buttons button, #file, #folder").forEach((one) => { one.disabled = read_only; });
     element("panel").tabIndex = read_only ? 0 : -1; // figures are scrolled by keys where no control is
     const others = clients > 1 ? `${clients} browsers` : "";
     element("role").textContent = read_only ? "read only" : steers ? others : `${others}, another steers`;
@@ -51,26 +51,28 @@ const link = new Link({
     if (!scene.view) return;
     state.scene = scene;
     // Of a scene that was changed the hand that turns it knows the view best.
+    if (scene.opened !== state.opened || !state.steers) setCamera(scene.view);
     if (scene.opened !== state.opened) {
       state.opened = scene.opened;
-      camera.set(scene.view);
       element("cameras").replaceChildren(...scene.cameras.map((one, i) => new Option(one.name || `camera ${i}`, i)));
       saved.list(scene.name);
     }
     const triangles = scene.triangles === 1 ? "triangle" : "triangles";
     element("scene-name").textContent = `${scene.name} · ${scene.triangles.toLocaleString("en")} ${triangles}`;
-    put("fov", Math.round(camera.fov ?? 40));
-    element("fov").disabled = camera.fov == null;
-    put("env-strength", scene.environment.strength);
-    put("env-rotation", scene.environment.rotation);
     element("materials").hidden = !scene.variants.length;
-    const variants = scene.variants.map((name, i) => new Option(name || `variant ${i}`, i));
-    element("variant").replaceChildren(new Option("default", ""), ...variants);
-    element("variant").value = scene.variant ?? "";
+    const names = JSON.stringify(scene.variants);
+    if (element("variant").dataset.names !== names) {
+      element("variant").dataset.names = names;
+      const variants = scene.variants.map((name, i) => new Option(name || `variant ${i}`, i));
+      element("variant").replaceChildren(new Option("default", ""), ...variants);
+      element("variant").value = scene.variant ?? "";
+    }
     lights.show(scene.groups);
     showOutputs();
   },
   picked({ point }) {
+    if (!state.picks) return; // another browser's
+    state.picks = false;
     if (!point) return notice("nothing is there");
     camera.focusOn(point);
     moved();
@@ -87,12 +89,16 @@ const link = new Link({
     put("tone", status.shown.tone_map);
     put("layer", status.shown.layer);
     put("hold", Math.round(status.hold_ms));
+    put("env-strength", status.environment.strength);
+    put("env-rotation", status.environment.rotation);
+    put("variant", status.variant ?? "");
+    stage.reshape({ film: status.film, region: status.region });
     lights.put(status.mix);
     element("k").disabled = !status.left.integrator.includes("k-step") && !status.right?.integrator.includes("k-step");
     element("region").setAttribute("aria-pressed", !!status.region);
     plot(element("plot"), status.plot);
     element("plot-note").textContent = status.relmse == null ? "no measurement yet"
-      : `relMSE ${status.relmse.toExponential(2)}, ` +
+      : `${status.right ? "left: " : ""}relMSE ${status.relmse.toExponential(2)}, ` +
         (status.measured_by === "reference" ? "against the reference" : "expected, from two halves of the samples");
     showOutputs();
   },
@@ -110,8 +116,14 @@ function look() {
   state.look = requestAnimationFrame(() => {
     state.look = null;
     state.input = (state.input + 1) % 2 ** 31;
-    link.send({ type: "look", ...camera.view(), input: state.input });
+    link.send({ type: "look", ...camera.view(), input: state.input, opened: state.opened });
   });
+}
+
+function setCamera(view) {
+  camera.set(view);
+  put("fov", Math.round(camera.fov ?? 40));
+  element("fov").disabled = camera.fov == null;
 }
 
 // What is moved by hand is no longer one of the list, so that it can be chosen again.
@@ -125,7 +137,10 @@ const over = { canvas: element("picture"), divider: element("divider"), box: ele
 const stage = new Stage(over, camera, {
   moved,
   say: notice,
-  picked: (x, y) => link.send({ type: "pick", x, y }),
+  picked: (x, y) => {
+    state.picks = true;
+    link.send({ type: "pick", x, y });
+  },
   // All pixels of which a part is marked.
   marked: ([left, top, across, down]) => {
     const [width, height] = state.status?.film ?? [0, 0];
@@ -137,7 +152,7 @@ const stage = new Stage(over, camera, {
 });
 
 watchDrops(link, notice);
-const saved = new Saved({ view: () => camera.view(), choose: (view) => { camera.set(view); look(); }, say: notice });
+const saved = new Saved({ view: () => camera.view(), choose: (view) => { setCamera(view); look(); }, say: notice });
 const lights = new Lights((request) => link.send(request));
 
 function showOutputs() {
@@ -175,6 +190,7 @@ function sendSize() {
   const shape = state.status.film[0] / state.status.film[1];
   const height = Number(wanted);
   const size = wanted === "window" ? [picture.clientWidth, picture.clientHeight] : [Math.round(height * shape), height];
+  if (!state.status.region && String(size) === String(state.status.film)) return; // it would begin anew
   link.send({ type: "render", size });
 }
 
@@ -207,7 +223,7 @@ on("save-png", "click", () => save("png"));
 on("pause", "click", togglePause);
 on("help-open", "click", () => element("help").showModal());
 on("region", "click", toggleRegion);
-on("cameras", "change", () => { camera.set(state.scene.cameras[number("cameras")]); look(); });
+on("cameras", "change", () => { setCamera(state.scene.cameras[number("cameras")]); look(); });
 
 function toggleRegion() {
   if (state.status?.region) link.send({ type: "region", window: null });
@@ -216,7 +232,10 @@ function toggleRegion() {
 }
 
 function togglePause() {
-  link.send({ type: "pause", paused: !state.status?.paused });
+  const paused = element("pause").getAttribute("aria-pressed") !== "true";
+  touch("pause");
+  showPaused(paused);
+  link.send({ type: "pause", paused });
 }
 
 function frameAll() {
@@ -229,6 +248,7 @@ function frameAll() {
 async function save(format) {
   try {
     await link.save(format, (state.scene?.name ?? "midway").replace(/\.[^.]*$/, ""));
+    if (state.status?.right) notice("what is saved is the left picture");
   } catch (error) {
     notice(String(error.message ?? error));
   }

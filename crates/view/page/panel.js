@@ -43,13 +43,13 @@ export function showFigures(status) {
     "f-samples": both((half) => count(half.samples)),
     "f-mrays": both((half) => half.mrays.toFixed(1)),
     "f-ms": status.frame_ms.toFixed(1),
-    "f-noise": status.relmse == null ? "–" : `${(100 * Math.sqrt(status.relmse)).toFixed(2)} %`,
+    "f-noise": status.relmse == null ? "–" : `${(100 * Math.sqrt(status.relmse)).toFixed(2)} %${right ? " (left)" : ""}`,
     "f-memory": bytes(left.memory + (right?.memory ?? 0)),
     "f-rejected": both((half) => count(half.rejected)),
     "f-size": left.size.join(" × "),
     "f-bias": left.bias.join("; ") || "none",
     "f-device": `${status.device} (${status.backend})`,
-    "f-integrator": left.integrator,
+    "f-integrator": both((half) => half.integrator),
   };
   for (const [id, value] of Object.entries(text)) element(id).textContent = value;
   element("left-name").hidden = element("right-name").hidden = !right;
@@ -59,8 +59,12 @@ export function showFigures(status) {
     element("right-name").textContent = pane(right);
   }
   say("black", status.failure ? `The renderer stopped: ${status.failure}` : status.black);
-  element("pause").setAttribute("aria-pressed", status.paused);
-  element("pause").textContent = status.paused ? "Go on" : "Pause";
+  if (isSettled("pause")) showPaused(status.paused);
+}
+
+export function showPaused(paused) {
+  element("pause").setAttribute("aria-pressed", paused);
+  element("pause").textContent = paused ? "Go on" : "Pause";
 }
 
 /** Shows an alert, or none. It is read out each time it is written. */
@@ -77,8 +81,9 @@ export function touch(id) {
   element(id).touched = performance.now();
 }
 
+const isSettled = (id) => performance.now() - (element(id).touched ?? -Infinity) >= SETTLED_MS;
+
 /** Sets a control to what the server says. */
 export function put(id, value) {
-  const recently = performance.now() - (element(id).touched ?? -Infinity) < SETTLED_MS;
-  if (!recently) element(id).value = value;
+  if (isSettled(id)) element(id).value = value;
 }

@@ -1,5 +1,6 @@
 // Saved cameras: they stay in this browser, by the scene's name.
 
+import { kept } from "./kept.js";
 import { element } from "./panel.js";
 
 const nameOf = (view, i) => view.name ?? `view ${i + 1}`;
@@ -33,16 +34,9 @@ export class Saved {
     this.#showChosen();
   }
 
-  #views() {
-    try {
-      const views = JSON.parse(localStorage.getItem(`midway cameras ${this.#scene}`)) ?? [];
-      return views.map((view, i) => ({ ...view, name: nameOf(view, i) }));
-    } catch {
-      return [];
-    }
-  }
+  #views() { return (kept.get(`cameras ${this.#scene}`) ?? []).map((view, i) => ({ ...view, name: nameOf(view, i) })); }
 
-  #store(views) { localStorage.setItem(`midway cameras ${this.#scene}`, JSON.stringify(views)); }
+  #store(views) { return kept.set(`cameras ${this.#scene}`, views); }
 
   #show(chosen) {
     const views = this.#views();
@@ -59,7 +53,7 @@ export class Saved {
     // Those that are left keep their names when others are deleted.
     const numbers = views.map(({ name }) => Number(name.replace("view ", "")) || 0);
     const name = `view ${Math.max(0, ...numbers) + 1}`;
-    this.#store([...views, { ...this.view(), name }]);
+    if (!this.#store([...views, { ...this.view(), name }])) return this.say("this browser keeps nothing of this page");
     this.#show(views.length);
     this.say(`saved as ${name}`);
   }

@@ -35,6 +35,13 @@ export class Stage {
     this.draw();
   }
 
+  /** Draws the frame where it lies in a film that has changed. */
+  reshape(shape) {
+    if (!this.frame || JSON.stringify(shape) === JSON.stringify(this.shape)) return;
+    this.shape = shape;
+    this.draw();
+  }
+
   /** Where the whole film lies on the canvas, and the frame's part of it. */
   place() {
     const { width, height } = this.canvas;

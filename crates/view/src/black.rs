@@ -12,6 +12,11 @@ const PLACES: u32 = 7;
 /// More triangles are not asked one by one: a frame waits for the answer.
 const MANY: usize = 200_000;
 
+/// Whether all of a picture is, its pixels as RGBA.
+pub fn is_black(picture: &[u8]) -> bool {
+    picture.chunks_exact(4).all(|pixel| pixel[..3].iter().all(|byte| *byte <= BLACK))
+}
+
 /// The reason, if all of the picture is black as it is shown; `image` without the mix of its lights.
 ///
 /// # Errors

@@ -27,6 +27,16 @@ pub struct Changing {
     running: Beside<(Prepared, News)>,
     surround: Option<(Surroundings, Option<Image>, News)>,
     dress: Option<(Vec<u32>, Option<u32>)>,
+    wanted: Wanted,
+}
+
+/// What was asked for and is not shown yet; none where nothing was.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted {
+    /// The environment.
+    pub surroundings: Option<Surroundings>,
+    /// The variant of materials.
+    pub variant: Option<Option<u32>>,
 }
 
 impl Changing {
@@ -37,22 +47,34 @@ impl Changing {
             None => (None, News::Surroundings),
         };
         self.surround = Some((surroundings, image, news));
+        self.wanted.surroundings = Some(surroundings);
     }
 
     /// Asks for another environment.
     pub fn replace(&mut self, image: Image, warnings: Vec<String>) {
         let whole = Surroundings { strength: 1.0, rotation: 0.0 };
         self.surround = Some((whole, Some(image), News::Environment(warnings)));
+        self.wanted.surroundings = Some(whole);
     }
 
     /// Asks for the materials of a variant.
     pub fn dress(&mut self, materials: Vec<u32>, variant: Option<u32>) {
         self.dress = Some((materials, variant));
+        self.wanted.variant = Some(variant);
+    }
+
+    /// What the scene is to be.
+    pub fn wanted(&self) -> Wanted {
+        self.wanted
     }
 
     /// The change that has become ready since this was last asked.
     pub fn ready(&mut self) -> Option<Result<(Prepared, News), ViewError>> {
-        self.running.done()
+        let outcome = self.running.done()?;
+        if self.surround.is_none() && self.dress.is_none() {
+            self.wanted = Wanted::default();
+        }
+        Some(outcome)
     }
 
     /// Begins with what was asked for, if nothing is being prepared. `sketch`: of the scene as it is shown

@@ -32,11 +32,13 @@ pub struct Arrival {
 
 type Outcome = Result<Arrival, ViewError>;
 
-/// At most one file that is being opened, and of those that were asked for meanwhile the last.
+/// At most one file that is being opened, and of those that were asked for meanwhile the last scene and the
+/// last environment after it.
 #[derive(Default)]
 pub struct Opening {
     running: Beside<Arrival>,
-    next: Option<(Uploaded, Seed)>,
+    scene: Option<(Uploaded, Seed)>,
+    environment: Option<(Uploaded, Seed)>,
 }
 
 impl Opening {
@@ -45,7 +47,11 @@ impl Opening {
     /// # Errors
     /// If the system refuses a thread.
     pub fn start(&mut self, uploaded: Uploaded, seed: Seed) -> Result<(), ViewError> {
-        self.next = Some((uploaded, seed));
+        if is_environment(&uploaded.file) {
+            self.environment = Some((uploaded, seed));
+        } else {
+            (self.scene, self.environment) = (Some((uploaded, seed)), None);
+        }
         self.go_on()
     }
 
@@ -60,7 +66,10 @@ impl Opening {
     }
 
     fn go_on(&mut self) -> Result<(), ViewError> {
-        match self.next.take_if(|_| self.running.is_free()) {
+        if !self.running.is_free() {
+            return Ok(());
+        }
+        match self.scene.take().or_else(|| self.environment.take()) {
             Some((uploaded, seed)) => self.running.start(move || open(uploaded, seed)),
             None => Ok(()),
         }
@@ -72,12 +81,16 @@ pub fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A scene or an environment, by its extension.
+/// By its extension; others are scenes.
+fn is_environment(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    extension.eq_ignore_ascii_case("hdr") || extension.eq_ignore_ascii_case("exr")
+}
+
 fn open(uploaded: Uploaded, seed: Seed) -> Outcome {
     let path = &*uploaded.file;
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let refused = |error: midway_import::ImportError| ViewError::Refused(error.to_string());
-    let (opened, warnings) = if extension == "hdr" || extension == "exr" {
+    let (opened, warnings) = if is_environment(path) {
         let (image, warnings) = midway_import::load_environment(path).map_err(refused)?;
         (Opened::Environment(image), warnings)
     } else {

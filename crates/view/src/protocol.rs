@@ -116,6 +116,9 @@ pub struct View {
     /// The browser's number for this input; frames that show it carry it.
     #[serde(default)]
     pub input: u32,
+    /// Which of the scenes that were opened it is of; none: whichever is shown.
+    #[serde(default)]
+    pub opened: Option<u32>,
 }
 
 /// What may be asked of a render; what is not said stays.

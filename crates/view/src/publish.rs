@@ -14,6 +14,7 @@ use tokio::sync::watch;
 
 use crate::{
     ViewError,
+    black::is_black,
     frame::{Encoding, Pixels},
     pick,
     protocol::{Method, Shown, Surroundings, ToneMapName},
@@ -33,6 +34,9 @@ pub struct Publisher {
     session: Session,
     commands: mpsc::Receiver<Command>,
     shown: Shown,
+    surroundings: Surroundings,
+    /// Whether anything shines.
+    is_lit: bool,
     last: Option<Instant>,
 }
 
@@ -56,7 +60,17 @@ impl Publisher {
             ToneMap::PbrNeutral => ToneMapName::PbrNeutral,
         };
         let shown = Shown { exposure: display.exposure, tone_map, ..Shown::default() };
-        Ok(Self { encoding, status, _scene: scene_sender, session, commands, shown, last: None })
+        Ok(Self {
+            encoding,
+            status,
+            _scene: scene_sender,
+            session,
+            commands,
+            shown,
+            surroundings: Surroundings::of(scene),
+            is_lit: scene.has_light(),
+            last: None,
+        })
     }
 
     /// What a server serves.
@@ -89,18 +103,24 @@ impl Publisher {
         self.last = Some(start);
         let display = Display { exposure: self.shown.exposure, tone_map: self.shown.tone_map.into() };
         let picture = renderer.display(display)?;
+        let black = is_black(&picture).then_some(if self.is_lit {
+            "No light has reached what is seen so far, or the exposure is too low."
+        } else {
+            "Nothing emits light."
+        });
         let window = renderer.settings().window();
         let (width, height) = (window.width, window.height);
         self.encoding.show(Pixels { input: 0, width, height, pictures: vec![picture], moving: false });
         let settings = renderer.settings();
         let told = json!({
+            "environment": self.surroundings, "variant": null,
             "type": "status", "left": figures(renderer, stats, seconds, stats.rays), "right": null,
             "film": [settings.width, settings.height],
             "region": settings.crop.map(|c| [c.x, c.y, c.width, c.height]),
             "method": Method::of(&settings.integrator), "max_path_length": settings.max_path_length,
             "shown": self.shown, "mix": null, "paused": false, "moving": false, "done": false,
             "frame_ms": start.elapsed().as_secs_f64() * 1e3, "hold_ms": 33, "device": info.name,
-            "backend": info.backend, "relmse": null, "measured_by": "halves", "plot": [], "black": null, "failure": null,
+            "backend": info.backend, "relmse": null, "measured_by": "halves", "plot": [], "black": black, "failure": null,
         });
         self.status.send_replace(told.to_string().into());
         Ok(())

@@ -99,6 +99,14 @@ impl Waiting {
         Ok(())
     }
 
+    /// Refuses all: there will be no picture.
+    pub fn refuse(&mut self, why: &str) {
+        for (_, answer, _) in self.asked.drain(..) {
+            // The browser may have gone.
+            let _ = answer.send(Err(why.to_owned()));
+        }
+    }
+
     fn encode(&mut self, taken: Result<Encode, ViewError>, answer: Answer) -> Result<(), ViewError> {
         // The browser may have gone, here too.
         let tell =

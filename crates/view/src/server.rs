@@ -37,6 +37,7 @@ const PAGE: &[(&str, &str, &str)] = &[
     ("lights.js", "text/javascript; charset=utf-8", include_str!("../page/lights.js")),
     ("link.js", "text/javascript; charset=utf-8", include_str!("../page/link.js")),
     ("aim.js", "text/javascript; charset=utf-8", include_str!("../page/aim.js")),
+    ("kept.js", "text/javascript; charset=utf-8", include_str!("../page/kept.js")),
     ("keys.js", "text/javascript; charset=utf-8", include_str!("../page/keys.js")),
     ("camera.js", "text/javascript; charset=utf-8", include_str!("../page/camera.js")),
     ("stage.js", "text/javascript; charset=utf-8", include_str!("../page/stage.js")),

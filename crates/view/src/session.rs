@@ -110,7 +110,7 @@ impl Session {
             Command::Request(request) => request.forgets_samples(),
         };
         let taken = self.commands.try_send(command).is_ok();
-        if ends_the_pass {
+        if ends_the_pass && taken {
             self.haste.stop();
         }
         taken

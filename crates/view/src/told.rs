@@ -64,7 +64,7 @@ pub fn scene_message(
 }
 
 /// A camera as browsers know it, turned about a place in front of it.
-fn view_of(camera: &Camera, target: Vec3) -> Value {
+pub fn view_of(camera: &Camera, target: Vec3) -> Value {
     let eye = camera.position();
     let direction = |axis: Vec3| camera.world_from_camera.transform_vector3(axis).normalize();
     let distance = eye.distance(target);

@@ -55,6 +55,15 @@ impl Uploads {
     pub fn write(&self, number: u64, path: &str, bytes: &[u8]) -> Result<(), ViewError> {
         let relative =
             confined(path).ok_or_else(|| ViewError::Refused("no such path may be uploaded".into()))?;
+        let target = self.room(number, bytes)?.join(relative);
+        if let Some(folder) = target.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        Ok(fs::write(target, bytes)?)
+    }
+
+    /// The folder of an upload that has room for a file more of these bytes.
+    fn room(&self, number: u64, bytes: &[u8]) -> Result<PathBuf, ViewError> {
         let mut batches = self.batches.lock().unwrap_or_else(PoisonError::into_inner);
         let place = match batches.iter().position(|batch| batch.number == number) {
             Some(place) => place,
@@ -73,11 +82,7 @@ impl Uploads {
         if batch.bytes > MAX_BATCH || batch.files > MAX_FILES {
             return Err(ViewError::Refused("the upload is larger than 1 GiB or 4096 files".into()));
         }
-        let target = batch.folder.path().join(relative);
-        if let Some(folder) = target.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        Ok(fs::write(target, bytes)?)
+        Ok(batch.folder.path().to_owned())
     }
 
     /// A file that was uploaded.

@@ -30,7 +30,7 @@ use crate::{
     protocol::{Method, Request, Shown},
     save::{self, Waiting},
     session::{Command, QUEUE, Session, Start},
-    told::{figures, scene_message},
+    told::{figures, scene_message, view_of},
     uploads::Uploaded,
 };
 
@@ -73,6 +73,12 @@ pub struct Worker {
     /// Whether what is shown is not what there is.
     stale: bool,
     failure: Option<String>,
+    /// Whether it is to be said anew why the picture is black, or that it is not.
+    judges: bool,
+    /// Whether the view moved when this was last asked.
+    moved: bool,
+    /// The scene as it was last told to browsers.
+    told: Value,
     opening: Opening,
     changing: Changing,
     picking: Beside<Option<Vec3>>,
@@ -91,7 +97,7 @@ impl Worker {
         let (shown, haste) = (Shown::default(), session.haste.clone());
         let seed = Seed { device: Arc::clone(&device), settings, shown, hold_time: hold, haste };
         let engine = Engine::new(scene, seed)?;
-        let worker = Self {
+        let mut worker = Self {
             reference_camera: engine.camera.clone(),
             engine,
             device,
@@ -107,6 +113,9 @@ impl Worker {
             told_at: Instant::now(),
             stale: true,
             failure: None,
+            judges: false,
+            moved: false,
+            told: Value::Null,
             opening: Opening::default(),
             changing: Changing::default(),
             picking: Beside::default(),
@@ -127,6 +136,7 @@ impl Worker {
             }
             self.tell_picked();
             self.change();
+            self.tell_view();
             let ends_pass = self.failure.is_none() && self.saves.wants_the_pass_to_end(&self.engine);
             let idle = self.is_idle() && !ends_pass;
             let wait = if idle { Duration::from_millis(100) } else { Duration::ZERO };
@@ -185,6 +195,10 @@ impl Worker {
 
     /// Answers who asked for the picture, once it is there.
     fn save(&mut self) {
+        if let Some(failure) = &self.failure {
+            self.saves.refuse(&format!("the renderer stopped: {failure}"));
+            return;
+        }
         let variant = self.variant.and_then(|index| self.variants.names().get(index as usize));
         let names = (&*self.name, variant.map(String::as_str));
         let taken = |engine: &Engine, format| save::take(engine, names, &self.device, format);
@@ -195,15 +209,19 @@ impl Worker {
     fn obey_request(&mut self, request: Request) -> Result<(), ViewError> {
         let engine = &mut self.engine;
         match request {
+            // The hand was on another scene, which gave way to this one meanwhile.
+            Request::Look(view) if view.opened.is_some_and(|opened| opened != self.opened) => return Ok(()),
             Request::Look(view) => engine.look(&view)?,
             Request::Render(wish) => engine.wish(&wish)?,
             Request::Show(shown) => {
                 engine.show(shown)?;
-                return self.measured.judge_black(&self.engine);
+                self.judges = true;
+                return Ok(());
             }
             Request::Mix { factors } => {
                 engine.mix(factors)?;
-                return self.measured.judge_black(&self.engine);
+                self.judges = true;
+                return Ok(());
             }
             Request::Split { right } => engine.split(right)?,
             Request::Region { window } => engine.region(window)?,
@@ -215,7 +233,7 @@ impl Worker {
             }
             Request::Variant { index } => return self.ask_for_variant(index),
             Request::Pause { paused } => {
-                self.paused = paused;
+                (self.paused, self.judges) = (paused, paused);
                 return Ok(());
             }
             Request::Pick { x, y } => {
@@ -225,7 +243,7 @@ impl Worker {
             }
             Request::Decoded | Request::Take | Request::Open { .. } => return Ok(()),
         }
-        self.failure = None;
+        (self.failure, self.judges) = (None, self.paused);
         if self.engine.left.renderer.samples() == 0 || self.engine.is_moving() {
             self.measured = Measured::default();
         }
@@ -271,6 +289,7 @@ impl Worker {
 
     fn take(&mut self, prepared: Prepared, news: News) -> Result<(), ViewError> {
         put_away(self.engine.take(prepared)?);
+        self.judges = self.paused;
         (self.measured, self.failure) = (Measured::default(), None);
         match news {
             News::Surroundings => {}
@@ -305,7 +324,9 @@ impl Worker {
             Opened::Scene(mut engine, variants) => {
                 engine.succeed(&self.engine)?;
                 self.opened += 1;
+                self.judges = self.paused;
                 self.changing.forget();
+                self.picking = Beside::default();
                 put_away(std::mem::replace(&mut self.engine, *engine));
                 (self.name, self.reference) = (arrival.name, None);
                 (self.variants, self.variant) = (variants, None);
@@ -328,14 +349,15 @@ impl Worker {
         self.engine.end_pass()?;
         if self.stale && self.engine.has_picture() {
             let pixels = self.engine.pixels(false)?;
-            self.show(pixels);
+            self.show(pixels)?;
         }
         Ok(())
     }
 
     fn render(&mut self) -> Result<(), ViewError> {
         let engine = &mut self.engine;
-        let settled = self.paused && !engine.is_moving() && engine.is_whole();
+        // What forgets samples while it is paused is followed by a first picture.
+        let settled = self.paused && !engine.is_moving() && engine.is_whole() && engine.has_picture();
         let still = settled || engine.is_done();
         let pixels = if still { Some(engine.pixels(false)?) } else { engine.frame()? };
         let pixels = match pixels {
@@ -346,7 +368,7 @@ impl Worker {
         let Some(pixels) = pixels else { return Ok(()) };
         let every = if engine.left.seconds < LATE { SHOW_EVERY } else { SHOW_LATE };
         if pixels.moving || self.stale || self.shown_at.elapsed() >= every {
-            self.show(pixels);
+            self.show(pixels)?;
         }
         let engine = &self.engine;
         let is_of_this =
@@ -354,23 +376,37 @@ impl Worker {
         self.measured.measure(engine, self.reference.as_ref().filter(|_| is_of_this))
     }
 
-    fn show(&mut self, pixels: Pixels) {
+    fn show(&mut self, pixels: Pixels) -> Result<(), ViewError> {
         self.stale = pixels.moving;
         self.shown_at = Instant::now();
         self.telling.encoding.show(pixels);
+        if std::mem::take(&mut self.judges) {
+            self.measured.judge_black(&self.engine)?;
+        }
+        Ok(())
     }
 
     fn event(&self, event: &Value) {
         let _ = self.telling.events.send(event.to_string().into());
     }
 
-    fn tell_scene(&self) {
+    fn tell_scene(&mut self) {
         let Engine { scene, outline, camera, target, surroundings, .. } = &self.engine;
         let of = (&**scene, outline, &*self.name);
         let variants = (self.variants.names(), self.variant);
         let mut told = scene_message(of, (camera, *target), variants, *surroundings);
         told["opened"] = self.opened.into();
         self.telling.scene.send_replace(told.to_string().into());
+        self.told = told;
+    }
+
+    /// Tells the view once it rests: browsers that come, or take over, begin with it.
+    fn tell_view(&mut self) {
+        let moves = self.engine.is_moving();
+        if std::mem::replace(&mut self.moved, moves) && !moves {
+            self.told["view"] = view_of(&self.engine.camera, self.engine.target);
+            self.telling.scene.send_replace(self.told.to_string().into());
+        }
     }
 
     fn tell_status(&mut self) {
@@ -386,7 +422,10 @@ impl Worker {
         let engine = &self.engine;
         let half = |half: &Half| figures(&half.renderer, &half.stats, half.seconds, half.rays());
         let info = self.device.info();
+        let wanted = self.changing.wanted();
         json!({
+            "environment": wanted.surroundings.unwrap_or(engine.surroundings),
+            "variant": wanted.variant.unwrap_or(self.variant),
             "type": "status", "left": half(&engine.left), "right": engine.right.as_ref().map(half),
             "film": [engine.settings.width, engine.settings.height],
             "region": engine.settings.crop.map(|c| [c.x, c.y, c.width, c.height]),

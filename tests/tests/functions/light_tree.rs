@@ -157,7 +157,7 @@ fn sides_survive_packing() {
     }
 }
 
-/// A little may be left of 1: where a node may shine, and neither of its children does, none is drawn.
+/// A little may be left of 1: where a node may shine, and none of its children does, none is drawn.
 #[test]
 fn chances_sum_to_one_at_most() {
     let mut random = Random::new(120);

@@ -40,7 +40,7 @@ pub enum StoppedBy {
     Samples,
     /// The time is over.
     Time,
-    /// Ctrl-C or SIGTERM.
+    /// Ctrl-C, SIGTERM or SIGHUP.
     Interrupt,
 }
 

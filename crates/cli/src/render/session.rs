@@ -61,7 +61,7 @@ impl Session {
         self.reporter.event("start", &start)
     }
 
-    /// Renders until a limit, Ctrl-C or SIGTERM, then writes the image. If the render fails after its first
+    /// Renders until a limit or an [`Interrupt`], then writes the image. If the render fails after its first
     /// pass, what there is is written all the same where it can still be read.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use std::{
     fs,
     io::{BufRead, BufReader},
     path::Path,
+    process::Stdio,
     thread,
     time::{Duration, Instant},
 };
@@ -309,6 +310,32 @@ fn snapshots_are_written_and_ctrl_c_writes_what_there_is() {
     assert_eq!(child.wait().unwrap().code(), Some(10));
     assert!(sandbox.exists("scene.png"));
     assert_eq!(read(&sandbox, "scene.exr").metadata.text("stopped_by"), Some("interrupt"));
+}
+
+/// A render whose terminal goes writes what there is; under `nohup` it goes on.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hangup_ends_a_render_unless_it_is_ignored() {
+    for (signal, time, code, stopped_by) in
+        [("--default-signal=HUP", "60s", 10, "interrupt"), ("--ignore-signal=HUP", "4s", 0, "time")]
+    {
+        let sandbox = scene();
+        let mut command = std::process::Command::new("env");
+        command.arg(signal).arg(env!("CARGO_BIN_EXE_midway")).args(SMALL);
+        command.args(["--time", time, "--progress", "json"]).current_dir(sandbox.path("."));
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        assert!(lines.any(|line| line.unwrap().contains("\"progress\"")), "it ended before its first pass");
+        // Twice, as systems and shells do.
+        for _ in 0..2 {
+            let id = child.id().to_string();
+            assert!(std::process::Command::new("kill").args(["-HUP", &id]).status().unwrap().success());
+        }
+        let last = lines.map(|line| line.unwrap()).last().unwrap();
+        assert!(last.contains(&format!("\"stopped_by\":\"{stopped_by}\"")), "{last}");
+        assert_eq!(child.wait().unwrap().code(), Some(code));
+        assert!(sandbox.exists("scene.exr"));
+    }
 }
 
 #[test]

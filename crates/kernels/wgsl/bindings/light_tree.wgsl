@@ -1,18 +1,16 @@
-// The tree over lights in the buffer `scene`: nodes, the root first and children side by side, then for
-// each light the way to its leaf, a bit a level from the lowest, 1 for the second child.
+// The tree over lights in the buffer `scene`: nodes, the root first, then for each light the way to it, two
+// bits a level from the lowest, which of the four.
 
 /// vec4 per node.
-const LIGHT_NODE_STRIDE: u32 = 3u;
+const LIGHT_NODE_STRIDE: u32 = 11u;
 
 /// Levels that are descended by the first of two random numbers; the second has the bits for the rest.
-const LEVELS_BY_FIRST_NUMBER: u32 = 12u;
+const LEVELS_BY_FIRST_NUMBER: u32 = 6u;
 
 fn load_light_node(index: u32) -> LightNode {
     let at = params.light_tree_at + index * LIGHT_NODE_STRIDE;
-    let a = scene[at];
-    let b = scene[at + 1u];
-    let c = scene[at + 2u];
-    return LightNode(a.xyz, a.w, b.xyz, b.w, c.x, c.y, bitcast<u32>(c.z), bitcast<u32>(c.w));
+    return LightNode(scene[at], scene[at + 1u], scene[at + 2u], scene[at + 3u], scene[at + 4u], scene[at + 5u],
+        scene[at + 6u], scene[at + 7u], scene[at + 8u], scene[at + 9u], bitcast<vec4<u32>>(scene[at + 10u]));
 }
 
 /// A light drawn for next-event estimation.
@@ -28,33 +26,22 @@ fn draw_light(place: LightPlace, u: vec2<f32>) -> DrawnLight {
     if (!uses_light_tree()) {
         return DrawnLight(pick_light(u.x), 1.0);
     }
-    var node = load_light_node(0u);
+    var link = 0u;
     var chance = 1.0;
     var number = u.x;
     var level = 0u;
-    while ((node.link & LIGHT_NODE_LEAF) == 0u) { // at most 32 times
-        let first = load_light_node(node.link);
-        let second = load_light_node(node.link + 1u);
-        let share = first_child_chance(light_node_importance(first, place), light_node_importance(second, place));
-        if (share < 0.0) {
+    while ((link & LIGHT_NODE_LEAF) == 0u) { // at most 16 times
+        let node = load_light_node(link & LIGHT_NODE_INDEX);
+        let child = draw_light_child(light_importances(node, place), number);
+        if (child.index == NONE) {
             return DrawnLight(NONE, 0.0);
         }
-        if (number < share) {
-            node = first;
-            chance *= share;
-            number = number / share;
-        } else {
-            node = second;
-            chance *= 1.0 - share;
-            number = (number - share) / (1.0 - share); // share < 1: the number is
-        }
-        number = min(number, LAST_BELOW_ONE);
+        link = node.links[child.index];
+        chance *= child.share;
         level += 1u;
-        if (level == LEVELS_BY_FIRST_NUMBER) {
-            number = u.y;
-        }
+        number = select(child.number, u.y, level == LEVELS_BY_FIRST_NUMBER);
     }
-    let index = node.link & ~LIGHT_NODE_LEAF;
+    let index = link & LIGHT_NODE_INDEX;
     return DrawnLight(index, chance / load_light(index).pmf); // > 0: others are not in the tree
 }
 
@@ -67,23 +54,14 @@ fn light_chance_ratio(index: u32, light: Light, place: LightPlace) -> f32 {
         return 0.0;
     }
     var way = bitcast<u32>(scene[params.light_ways_at + (index >> 2u)][index & 3u]);
-    var node = load_light_node(0u);
+    var link = 0u;
     var chance = 1.0;
-    while ((node.link & LIGHT_NODE_LEAF) == 0u) { // at most 32 times
-        let first = load_light_node(node.link);
-        let second = load_light_node(node.link + 1u);
-        let share = first_child_chance(light_node_importance(first, place), light_node_importance(second, place));
-        if (share < 0.0) {
-            return 0.0;
-        }
-        if ((way & 1u) == 0u) {
-            node = first;
-            chance *= share;
-        } else {
-            node = second;
-            chance *= 1.0 - share;
-        }
-        way >>= 1u;
+    while ((link & LIGHT_NODE_LEAF) == 0u && chance > 0.0) { // at most 16 times
+        let node = load_light_node(link & LIGHT_NODE_INDEX);
+        let child = way & 3u;
+        chance *= light_child_share(light_importances(node, place), child);
+        link = node.links[child];
+        way >>= 2u;
     }
     return chance / light.pmf;
 }

@@ -5,7 +5,7 @@ use rayon::join;
 
 use super::bound::{LightBound, Reach};
 
-/// Levels below the root at most: a way has a bit for each.
+/// Levels below the root at most: a way has two bits for two of them.
 const MAX_DEPTH: u32 = 32;
 /// Buckets along an axis.
 const BUCKETS: usize = 12;

@@ -2,19 +2,21 @@
 
 mod bound;
 mod build;
+mod wide;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
 use midway_scene::{Bounds, LightKind, Sides};
 
-pub use self::{
-    bound::Reach as LightReach,
-    build::{Link, Node},
-};
 use self::{
-    bound::{Cone, LightBound, Reach},
+    bound::{Cone, Reach},
     build::build,
+    wide::widen,
+};
+pub use self::{
+    bound::{LightBound, Reach as LightReach},
+    wide::{Child, Link, WIDTH, WideNode},
 };
 use crate::{
     LightSampling,
@@ -25,9 +27,11 @@ use crate::{
 /// The lights of a scene as a tree.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightTree {
+    /// Of all lights; none where there are none.
+    pub bound: Option<LightBound>,
     /// The root first; none where there is no light.
-    pub nodes: Vec<Node>,
-    /// For each light the way to its leaf, a bit a level from the lowest, 1 for the second child.
+    pub nodes: Vec<WideNode>,
+    /// For each light the way to it, two bits a level from the lowest, which of the children.
     pub ways: Vec<u32>,
 }
 
@@ -52,7 +56,7 @@ impl LightTree {
 
     /// The diagonal of the box around the lights that are somewhere, 0 without any.
     fn spread(&self) -> f32 {
-        let bounds = self.nodes.first().map_or(Bounds::EMPTY, |root| root.bound.bounds);
+        let bounds = self.bound.map_or(Bounds::EMPTY, |bound| bound.bounds);
         if bounds.is_empty() { 0.0 } else { bounds.diagonal().length() }
     }
 
@@ -64,18 +68,20 @@ impl LightTree {
     }
 
     fn over(bounds: &[LightBound], lights: Vec<u32>) -> Self {
-        let nodes = build(bounds, lights);
+        let binary = build(bounds, lights);
+        let nodes = widen(&binary);
         let mut ways = vec![0; bounds.len()];
         let mut waiting: Vec<(u32, u32, u32)> = nodes.first().map(|_| (0, 0, 0)).into_iter().collect();
         while let Some((node, way, depth)) = waiting.pop() {
-            match nodes[node as usize].link {
-                Link::Light(light) => ways[light as usize] = way,
-                Link::Children(first) => {
-                    waiting.extend([(first, way, depth + 1), (first + 1, way | 1 << depth, depth + 1)]);
+            for (place, child) in (0u32..).zip(nodes[node as usize].iter().flatten()) {
+                let way = way | place << (2 * depth);
+                match child.link {
+                    Link::Light(light) => ways[light as usize] = way,
+                    Link::Node(node) => waiting.push((node, way, depth + 1)),
                 }
             }
         }
-        Self { nodes, ways }
+        Self { bound: binary.first().map(|root| root.bound), nodes, ways }
     }
 }
 
@@ -139,25 +145,31 @@ mod tests {
         LightBound { bounds, intensity, reach: Reach::Front, ..at_infinity(1.0) }
     }
 
-    /// Every light once, by its way, in at most 32 levels, within the bounds of all nodes above it.
+    /// Every light once, by its way, in at most 16 levels, within the bounds of all nodes above it.
     fn check(bounds: &[LightBound], lights: &[u32]) {
         let tree = LightTree::over(bounds, lights.to_vec());
-        assert_eq!(tree.nodes.len(), 2 * lights.len() - 1);
+        let children = || tree.nodes.iter().flatten().flatten();
+        assert_eq!(children().filter(|child| matches!(child.link, Link::Light(_))).count(), lights.len());
+        assert_eq!(
+            children().filter(|child| matches!(child.link, Link::Node(_))).count(),
+            tree.nodes.len() - 1
+        );
         for &light in lights {
             let (mut way, mut node) = (tree.ways[light as usize], 0u32);
             for level in 0.. {
-                let Node { bound, link } = tree.nodes[node as usize];
-                let own = &bounds[light as usize];
+                assert!(level < 16);
+                let child = tree.nodes[node as usize][(way & 3) as usize].expect("a child");
+                let (bound, own) = (child.bound, &bounds[light as usize]);
                 assert!(bound.bounds.contains(&own.bounds) && bound.intensity >= own.intensity);
                 assert!(bound.reach >= own.reach && bound.emission >= own.emission);
-                match link {
+                way >>= 2;
+                match child.link {
                     Link::Light(found) => {
                         assert_eq!((found, way), (light, 0));
                         break;
                     }
-                    Link::Children(first) => (node, way) = (first + (way & 1), way >> 1),
+                    Link::Node(next) => node = next,
                 }
-                assert!(level < 32);
             }
         }
     }
@@ -170,7 +182,7 @@ mod tests {
         check(&lights, &[7]);
         check(&lights, &(0..1000).filter(|i| i % 3 == 0).collect::<Vec<_>>());
         check(&vec![point(1.0, 1.0); 100], &(0..100).collect::<Vec<_>>());
-        assert_eq!(LightTree::over(&lights, Vec::new()).nodes, []);
+        assert!(LightTree::over(&lights, Vec::new()).nodes.is_empty());
     }
 
     /// Each twice as far out as the one before: by cost alone one light a level is split off.
@@ -181,7 +193,18 @@ mod tests {
         check(&lights, &(0..240).collect::<Vec<_>>());
     }
 
-    /// Lights at infinity are under one child of the root, the others under the other.
+    /// Nodes are full but at the leaves.
+    #[test]
+    fn nodes_are_full() {
+        let lights: Vec<LightBound> = (0..1000).map(|i| point((i * 37 % 101) as f32, 1.0)).collect();
+        let tree = LightTree::over(&lights, (0..1000).collect());
+        assert!(tree.nodes.len() < 520, "{} nodes", tree.nodes.len());
+        let half_full =
+            |node: &&WideNode| node.iter().flatten().any(|child| matches!(child.link, Link::Node(_)));
+        assert!(tree.nodes.iter().filter(half_full).all(|node| node.iter().all(Option::is_some)));
+    }
+
+    /// No child of the root has lights at infinity and others.
     #[test]
     fn lights_at_infinity_are_apart() {
         let mut lights: Vec<LightBound> = (0..20).map(|i| point(i as f32, 1.0)).collect();
@@ -190,7 +213,8 @@ mod tests {
         }
         let tree = LightTree::over(&lights, (0..20).collect());
         for (light, way) in lights.iter().zip(&tree.ways) {
-            assert_eq!(way & 1 == 1, light.reach == Reach::Infinite);
+            let child = tree.nodes[0][(way & 3) as usize].expect("a child");
+            assert_eq!(child.bound.reach, light.reach);
         }
         check(&lights, &(0..20).collect::<Vec<_>>());
     }

@@ -14,7 +14,9 @@ use tokio::{net::TcpStream, task::JoinSet, time::timeout};
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async, tungstenite::Message};
 
 use crate::{
-    Outcome, gone, http,
+    Outcome,
+    files::files,
+    gone, http,
     requests::{Act, Dice, any},
     soak::processor_seconds,
     verdict::{STALL, Seen},
@@ -26,6 +28,10 @@ const REQUESTS: f64 = 8.0;
 const LAST: usize = 6;
 /// How long nothing is taken in a nap.
 const NAP: Duration = Duration::from_secs(3);
+/// The first number of uploads that are rested on.
+const REST_BATCH: u32 = 1_000_000;
+/// Frames until what was asked for last is shown.
+const RESTING_FRAMES: u64 = 8;
 /// How long an answer may take.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -40,7 +46,8 @@ struct Client {
     stream: SplitStream<Socket>,
     /// What uploads carry.
     key: String,
-    /// The scene's own view; null where it is not told yet.
+    /// The scene's name, and the view that it was told with; null where it is not told yet.
+    named: String,
     view: Value,
     variants: u32,
     /// What takes long beside: the message that follows from it.
@@ -68,6 +75,14 @@ pub async fn torment(address: String, time: Duration, number: u32, pid: String) 
     }
 }
 
+/// Has a server show a small scene, plainly, and rest so long.
+pub async fn rest(address: &str, time: Duration) -> Outcome {
+    let mut client = Client::start(address.to_owned(), 0, std::process::id().to_string()).await?;
+    timeout(PATIENCE, client.settle()).await.map_err(|_| "it took too long")??;
+    tokio::time::sleep(time).await;
+    Ok(())
+}
+
 async fn connect(address: &str) -> Outcome<(SplitSink<Socket, Message>, SplitStream<Socket>)> {
     let connected = timeout(PATIENCE, connect_async(format!("ws://{address}/ws"))).await.map_err(gone)?;
     Ok(connected.map_err(gone)?.0.split())
@@ -85,6 +100,7 @@ impl Client {
             sink,
             stream,
             key: String::new(),
+            named: String::new(),
             view: Value::Null,
             variants: 0,
             beside: JoinSet::new(),
@@ -116,6 +132,46 @@ impl Client {
         }
         self.seen.unanswered += self.pending;
         self.frame_is_due()
+    }
+
+    /// Until the scene of an upload is shown by `path` alone.
+    async fn settle(&mut self) -> Outcome {
+        while self.key.is_empty() {
+            self.hear_next().await?;
+        }
+        self.ask(&json!({ "type": "take" })).await?;
+        let batch = REST_BATCH + std::process::id() % 1000;
+        let open = http::upload(&self.address, &self.key, batch, 0).await?;
+        self.send(Message::text(open.ok_or("another client steers")?)).await?;
+        while self.named != files(0)[0].0 {
+            self.hear_next().await?;
+        }
+        for request in [
+            json!({ "type": "pause", "paused": false }),
+            json!({ "type": "split", "right": null }),
+            json!({ "type": "mix", "factors": null }),
+            json!({ "type": "region", "window": null }),
+            json!({ "type": "show", "exposure": 0, "tone_map": "agx" }),
+            json!({ "type": "environment", "strength": 0, "rotation": 0 }),
+            json!({ "type": "render", "size": [128, 128], "method": { "integrator": "path" }, "max_path_length": 0 }),
+        ] {
+            self.ask(&request).await?;
+        }
+        let shown = self.seen.frames + RESTING_FRAMES;
+        while self.seen.frames < shown {
+            self.hear_next().await?;
+        }
+        Ok(())
+    }
+
+    async fn ask(&mut self, request: &Value) -> Outcome {
+        self.send(Message::text(request.to_string())).await
+    }
+
+    async fn hear_next(&mut self) -> Outcome {
+        let message = self.stream.next().await;
+        let message = message.ok_or_else(|| gone("it closed the connection"))?.map_err(gone)?;
+        self.hear(message).await
     }
 
     async fn send(&mut self, message: Message) -> Outcome {
@@ -207,6 +263,7 @@ impl Client {
         match told["type"].as_str() {
             Some("hello") => self.key = told["key"].as_str().unwrap_or_default().to_owned(),
             Some("scene") if told["view"].is_object() => {
+                told["name"].as_str().unwrap_or_default().clone_into(&mut self.named);
                 self.view = told["view"].clone();
                 self.variants = told["variants"].as_array().map_or(0, Vec::len) as u32;
             }

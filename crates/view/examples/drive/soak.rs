@@ -6,12 +6,15 @@ use tokio::task::JoinSet;
 
 use crate::{
     Outcome,
-    client::torment,
-    verdict::{Report, Seen},
+    client::{rest, torment},
+    verdict::Report,
 };
 
-/// Looks at the memory.
-const LOOKS: u32 = 60;
+/// Parts of a soak. After each the server comes to rest in the same state, so that its memory is comparable: what
+/// it holds in between goes by the scene, the film and the files under way.
+const PARTS: u32 = 6;
+/// How long it rests.
+const REST: Duration = Duration::from_secs(2);
 
 /// What a process has had of the processors, in seconds of 100 ticks (Linux).
 pub fn processor_seconds(pid: &str) -> Outcome<f64> {
@@ -21,36 +24,36 @@ pub fn processor_seconds(pid: &str) -> Outcome<f64> {
     Ok((ticks(11)? + ticks(12)?) / 100.0)
 }
 
-fn resident_mib(pid: &str) -> Outcome<f64> {
+/// A line of numbers in KiB of what the system says of a process, in MiB.
+fn mib(pid: &str, line: &str) -> Outcome<f64> {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status"))?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).ok_or("no VmRSS")?;
-    Ok(line.trim().trim_end_matches(" kB").parse::<f64>()? / 1024.0)
+    let kib = status.lines().find_map(|l| l.strip_prefix(line)).ok_or_else(|| format!("no {line}"))?;
+    Ok(kib.trim().trim_end_matches(" kB").parse::<f64>()? / 1024.0)
 }
 
 /// # Errors
 /// If there is no such process.
 pub async fn soak(address: &str, time: Duration, clients: u32, pid: &str) -> Outcome<Report> {
-    let mut memory = vec![resident_mib(pid)?];
-    let (mut tasks, start) = (JoinSet::new(), Instant::now());
-    for client in 1..=clients {
-        tasks.spawn(torment(address.to_owned(), time, client, pid.to_owned()));
-    }
-    let mut seen = Seen::default();
-    while start.elapsed() < time && !tasks.is_empty() {
-        tokio::time::sleep(time / LOOKS).await;
-        // Where all have lost the server there is nothing to wait for.
-        while let Some(client) = tasks.try_join_next() {
+    let start = Instant::now();
+    let mut report = Report { clients, peak: mib(pid, "VmHWM:")?, ..Report::default() };
+    for part in 0..PARTS {
+        let mut tasks = JoinSet::new();
+        for client in 1..=clients {
+            tasks.spawn(torment(address.to_owned(), time / PARTS, part * clients + client, pid.to_owned()));
+        }
+        let mut seen = std::mem::take(&mut report.seen);
+        while let Some(client) = tasks.join_next().await {
             seen = seen.and(client?);
         }
-        match resident_mib(pid) {
-            Ok(mib) => memory.push(mib),
-            Err(_) => break, // clients tell that it has gone
+        report.seen = seen;
+        if let Err(error) = rest(address, REST).await {
+            report.seen.failures.push(format!("it does not come to rest: {error}"));
+            break;
         }
+        report.at_rest.push(mib(pid, "VmRSS:")?);
+        report.peak = mib(pid, "VmHWM:")?;
     }
-    while let Some(client) = tasks.join_next().await {
-        seen = seen.and(client?);
-    }
-    Ok(Report { seconds: start.elapsed().as_secs_f64(), clients, seen, memory })
+    Ok(Report { seconds: start.elapsed().as_secs_f64(), ..report })
 }
 
 #[cfg(test)]
@@ -96,7 +99,7 @@ mod tests {
     #[tokio::test]
     async fn a_server_is_soaked() {
         let (address, stop) = server();
-        let report = soak(&address, Duration::from_secs(10), 3, &own_pid()).await.unwrap();
+        let report = soak(&address, Duration::from_secs(6), 3, &own_pid()).await.unwrap();
         stop.store(true, Ordering::Relaxed);
         // Memory and waits are those of a test's process on a busy machine: not judged here.
         let seen = &report.seen;

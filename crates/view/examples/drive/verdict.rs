@@ -57,15 +57,20 @@ pub struct Report {
     pub seconds: f64,
     pub clients: u32,
     pub seen: Seen,
-    /// The server's, in MiB, at even times.
-    pub memory: Vec<f64>,
+    /// The server's memory in MiB when it rested, each time in the same state.
+    pub at_rest: Vec<f64>,
+    /// The most that it ever had.
+    pub peak: f64,
 }
 
 impl Report {
-    /// Highest of a sixth early on, and of the last sixth: requests come and go in between.
+    /// Means of the first two rests and of the last two.
     fn early_and_late(&self) -> (f64, f64) {
-        let sixth = self.memory.len() / 6;
-        (peak(&self.memory[sixth..2 * sixth]), peak(&self.memory[self.memory.len() - sixth..]))
+        let mean = |rests: Option<&[f64]>| rests.map_or(f64::NAN, |rests| 0.5 * rests.iter().sum::<f64>());
+        (
+            mean(self.at_rest.get(..2)),
+            mean(self.at_rest.len().checked_sub(2).and_then(|n| self.at_rest.get(n..))),
+        )
     }
 
     /// All of it.
@@ -75,8 +80,7 @@ impl Report {
             "seconds": self.seconds, "clients": self.clients, "frames": seen.frames, "requests": seen.requests,
             "nonsense": seen.nonsense, "uploads": seen.uploads, "saves": seen.saves, "naps": seen.naps,
             "vanished": seen.vanished, "longest_wait_s": seen.longest_wait, "stalls": seen.stalls,
-            "memory_mib_peaks": self.memory.chunks(5).map(peak).collect::<Vec<_>>(),
-            "memory_mib_early": early, "memory_mib_late": late, "growth": late / early - 1.0,
+            "memory_mib_at_rest": self.at_rest, "memory_mib_peak": self.peak, "growth": late / early - 1.0,
             "reasons": self.reasons(),
         })
     }
@@ -106,33 +110,35 @@ impl Report {
     }
 }
 
-fn peak(part: &[f64]) -> f64 {
-    part.iter().copied().fold(f64::NAN, f64::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn well() -> Report {
-        let memory = (0..60).map(|i| 100.0 + f64::from(i % 5)).collect();
-        Report { seconds: 60.0, clients: 3, seen: Seen { frames: 9, ..Seen::default() }, memory }
+        let at_rest = vec![100.0, 104.0, 99.0, 101.0, 103.0, 106.0];
+        Report {
+            seconds: 60.0,
+            clients: 3,
+            seen: Seen { frames: 9, ..Seen::default() },
+            at_rest,
+            peak: 120.0,
+        }
     }
 
     #[test]
     fn a_server_that_takes_it_well_passes() {
         assert!(well().reasons().is_empty(), "{:?}", well().reasons());
-        let falling = Report { memory: (0..60).map(|i| 200.0 - f64::from(i)).collect(), ..well() };
+        let falling = Report { at_rest: (0..6).map(|i| 200.0 - f64::from(i)).collect(), ..well() };
         assert!(falling.reasons().is_empty());
     }
 
     #[test]
     fn what_is_not_well_is_told() {
         let with = |seen: Seen| Report { seen: Seen { frames: 9, ..seen }, ..well() };
-        let growing = Report { memory: (0..60).map(|i| 100.0 + 0.2 * f64::from(i)).collect(), ..well() };
+        let growing = Report { at_rest: (0..6).map(|i| 100.0 + 2.0 * f64::from(i)).collect(), ..well() };
         for (report, told) in [
             (growing, "memory grew"),
-            (Report { memory: vec![], ..well() }, "memory grew"),
+            (Report { at_rest: vec![100.0], ..well() }, "memory grew"),
             (Report { seen: Seen::default(), ..well() }, "no frame"),
             (with(Seen { stalls: vec![json!({})], ..Seen::default() }), "1 waits"),
             (with(Seen { unanswered: 2, ..Seen::default() }), "2 bad messages"),

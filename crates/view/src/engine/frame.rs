@@ -165,9 +165,9 @@ impl Engine {
         !self.is_moving() && self.is_whole() && self.has_picture()
     }
 
-    /// Whether a pass has ended that can be shown.
+    /// Whether a pass has ended that can be shown, of both where two are compared.
     pub fn has_picture(&self) -> bool {
-        self.left.renderer.samples() > 0
+        self.samples().iter().all(|samples| *samples > 0)
     }
 
     /// The samples so far, as they are shown.

@@ -184,8 +184,12 @@ impl Engine {
             .map_err(|e| ViewError::Refused(e.to_string()))?;
         let positive = |value: Option<f32>| value.filter(|v| v.is_finite() && *v > 0.0);
         let projection = match (self.camera.projection, yfov, positive(view.height)) {
-            (Projection::Perspective { .. }, Some(yfov), _) => Projection::Perspective { yfov },
-            (Projection::Orthographic { .. }, _, Some(height)) => Projection::Orthographic { height },
+            (_, Some(yfov), None) | (Projection::Perspective { .. }, Some(yfov), _) => {
+                Projection::Perspective { yfov }
+            }
+            (_, None, Some(height)) | (Projection::Orthographic { .. }, _, Some(height)) => {
+                Projection::Orthographic { height }
+            }
             (projection, ..) => projection,
         };
         let lens_radius = view.lens.filter(|r| r.is_finite() && *r >= 0.0).unwrap_or(self.camera.lens_radius);

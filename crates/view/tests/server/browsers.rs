@@ -7,7 +7,7 @@ use std::{
 
 use midway_film::ExrFile;
 use midway_scene::Projection;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::running::{Running, SIZE, look, own_scene};
 
@@ -63,6 +63,48 @@ async fn one_browser_steers_and_another_may_take_over() {
     second.frame_of(2).await;
     drop(second);
     first.told_that(|m| m["type"] == "role" && m["steers"] == true).await;
+}
+
+/// Who comes while another steers, or comes back, begins with the view as it is, not as the scene has it.
+#[tokio::test]
+async fn whoever_comes_is_told_the_view_that_rests() {
+    let server = Running::start(None, false);
+    let mut first = server.browser().await;
+    let began = first.told("scene").await["view"].clone();
+    // Of a scene that has given way to this one.
+    let mut stale = look(1);
+    stale["opened"] = json!(7);
+    first.ask(stale).await;
+    first.ask(json!({ "type": "restart" })).await;
+    first.told_that(|m| m["type"] == "status" && m["left"]["samples"].as_u64() > Some(4)).await;
+    assert_eq!(server.browser().await.told("scene").await["view"], began);
+    first.ask(look(2)).await;
+    let rests = first.told_that(|m| m["type"] == "scene" && m["view"] != began).await;
+    let second = server.browser().await.told("scene").await;
+    assert_eq!(second["view"], rests["view"]);
+    let eye: Vec<f64> =
+        second["view"]["eye"].as_array().expect("three").iter().filter_map(|x| x.as_f64()).collect();
+    assert!(eye.iter().zip([0.1, 1.0, 3.5]).all(|(told, asked)| (told - asked).abs() < 1e-5), "{eye:?}");
+}
+
+/// What is begun anew while it is paused has a first picture, and no more.
+#[tokio::test]
+async fn what_begins_anew_while_paused_has_a_picture() {
+    let server = Running::start(None, false);
+    let mut browser = server.browser().await;
+    let samples = |status: &Value| status["left"]["samples"].as_u64().expect("a number");
+    browser.told_that(|m| m["type"] == "status" && samples(m) > 1000).await;
+    browser.ask(json!({ "type": "pause", "paused": true })).await;
+    let before = samples(&browser.told_that(|m| m["type"] == "status" && m["paused"] == true).await);
+    for change in [
+        json!({ "type": "restart" }),
+        json!({ "type": "show", "exposure": 0, "tone_map": "agx", "layer": "albedo" }),
+    ] {
+        browser.ask(change).await;
+        let status = browser.told_that(|m| m["type"] == "status" && (1..before).contains(&samples(m))).await;
+        let later = browser.told("status").await;
+        assert_eq!(samples(&later), samples(&browser.told("status").await), "{status}");
+    }
 }
 
 #[tokio::test]

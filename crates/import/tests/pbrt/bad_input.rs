@@ -1,13 +1,13 @@
 //! Bad pbrt files give one clear line; none panics, hangs or takes more than it holds.
 
-mod common;
-
 use std::{io::Write, time::Instant};
 
-use common::{Folder, load_bytes};
 use midway_import::{ImportError, load};
 
-const TRIANGLE: &str = r#"Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "integer indices" [0 1 2]"#;
+use crate::{
+    TRIANGLE,
+    common::{Folder, load_bytes},
+};
 
 /// A small scene with some of everything.
 fn everything() -> String {
