@@ -128,6 +128,7 @@ export class Viewer {
   /** Until what was shown gave way to pictures of fewer samples, as after a change. */
   async anew(change) {
     const before = await this.forgotten();
+    await this.page.waitForTimeout(1000); // figures come a few times a second: fewer are to be seen
     await change();
     await this.wait((before) => window.forgotten > before, before);
   }

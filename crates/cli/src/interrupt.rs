@@ -20,29 +20,30 @@ impl Interrupt {
     pub fn install() -> Outcome<Self> {
         let interrupt = Self::default();
         let pressed = interrupt.clone();
+        // Asked by what does not wait: sessions that end may send SIGTERM right after SIGHUP.
+        let asked: Arc<AtomicBool> = Arc::default();
+        #[cfg(unix)]
+        interrupt.take_over_signals(&asked).or_status(Status::Internal)?;
         ctrlc::set_handler(move || {
-            if pressed.0.swap(true, Ordering::SeqCst) {
+            if asked.swap(true, Ordering::SeqCst) {
                 std::process::exit(Status::Interrupted.code().into());
             }
+            pressed.0.store(true, Ordering::SeqCst);
         })
         .or_status(Status::Internal)?;
-        #[cfg(unix)]
-        interrupt.take_over_signals().or_status(Status::Internal)?;
         Ok(interrupt)
     }
 
     #[cfg(unix)]
-    fn take_over_signals(&self) -> std::io::Result<()> {
+    fn take_over_signals(&self, asked: &Arc<AtomicBool>) -> std::io::Result<()> {
         use signal_hook::{
             consts::{SIGHUP, SIGTERM},
             flag,
         };
-        // In this order: the first signal finds the flag not set yet. It is one of its own, as sessions that end
-        // may send SIGTERM right after SIGHUP.
+        // In this order: the first signal finds the flag not set yet.
         let code = Status::Interrupted.code().into();
-        let terminated = Arc::default();
-        flag::register_conditional_shutdown(SIGTERM, code, Arc::clone(&terminated))?;
-        flag::register(SIGTERM, terminated)?;
+        flag::register_conditional_shutdown(SIGTERM, code, Arc::clone(asked))?;
+        flag::register(SIGTERM, Arc::clone(asked))?;
         flag::register(SIGTERM, Arc::clone(&self.0))?;
         // A terminal that goes may send it twice, by the system and by the shell.
         if !ignores_hangups() {

@@ -11,7 +11,10 @@ import { Saved } from "./saved.js";
 import { Stage } from "./stage.js";
 
 const NOTICE_MS = 5000;
-const state = { scene: null, status: null, input: 0, look: null, opened: null, readOnly: false, steers: true, picks: false };
+const state = { scene: null, status: null, input: 0, look: null, opened: null, readOnly: false, steers: true, picks: false,
+  own: false, // whether this page has moved the view since it began to steer
+  size: null, // the film that was asked for last
+};
 const camera = new Camera();
 
 fillMethods();
@@ -27,7 +30,7 @@ const link = new Link({
   open() {
     document.body.classList.remove("offline");
     say("offline", null);
-    state.opened = null;
+    Object.assign(state, { opened: null, own: false, picks: false, size: null });
   },
   closed({ known }) {
     document.body.classList.add("offline");
@@ -37,7 +40,10 @@ const link = new Link({
       : "Midway was started anew and does not know this browser any more. Open the address that it has printed.");
   },
   role({ steers, clients, read_only }) {
+    const gains = steers && !state.steers;
     [state.readOnly, state.steers] = [read_only, steers];
+    if (gains || !steers) state.own = state.picks = false;
+    if (gains && state.scene) setCamera(state.scene.view);
     element("take").hidden = steers || read_only;
     document.querySelectorAll("#panel fieldset, #panel .buttons button, #file, #folder").forEach((one) => { one.disabled = read_only; });
     element("panel").tabIndex = read_only ? 0 : -1; // figures are scrolled by keys where no control is
@@ -51,9 +57,9 @@ const link = new Link({
     if (!scene.view) return;
     state.scene = scene;
     // Of a scene that was changed the hand that turns it knows the view best.
-    if (scene.opened !== state.opened || !state.steers) setCamera(scene.view);
+    if (scene.opened !== state.opened || !state.own) setCamera(scene.view);
     if (scene.opened !== state.opened) {
-      state.opened = scene.opened;
+      Object.assign(state, { opened: scene.opened, own: false, picks: false });
       element("cameras").replaceChildren(...scene.cameras.map((one, i) => new Option(one.name || `camera ${i}`, i)));
       saved.list(scene.name);
     }
@@ -92,6 +98,7 @@ const link = new Link({
     put("env-strength", status.environment.strength);
     put("env-rotation", status.environment.rotation);
     put("variant", status.variant ?? "");
+    if (String(status.film) === String(state.size)) state.size = null;
     stage.reshape({ film: status.film, region: status.region });
     lights.put(status.mix);
     element("k").disabled = !status.left.integrator.includes("k-step") && !status.right?.integrator.includes("k-step");
@@ -112,6 +119,7 @@ const link = new Link({
 
 // Views are sent as they come, at most one a frame of the screen.
 function look() {
+  state.own = state.steers;
   if (state.look) return;
   state.look = requestAnimationFrame(() => {
     state.look = null;
@@ -122,7 +130,7 @@ function look() {
 
 function setCamera(view) {
   camera.set(view);
-  put("fov", Math.round(camera.fov ?? 40));
+  element("fov").value = Math.round(camera.fov ?? 40);
   element("fov").disabled = camera.fov == null;
 }
 
@@ -138,7 +146,7 @@ const stage = new Stage(over, camera, {
   moved,
   say: notice,
   picked: (x, y) => {
-    state.picks = true;
+    state.picks = state.steers;
     link.send({ type: "pick", x, y });
   },
   // All pixels of which a part is marked.
@@ -190,7 +198,8 @@ function sendSize() {
   const shape = state.status.film[0] / state.status.film[1];
   const height = Number(wanted);
   const size = wanted === "window" ? [picture.clientWidth, picture.clientHeight] : [Math.round(height * shape), height];
-  if (!state.status.region && String(size) === String(state.status.film)) return; // it would begin anew
+  if (String(size) === String(state.size ?? state.status.film)) return; // it would begin anew
+  state.size = size;
   link.send({ type: "render", size });
 }
 
@@ -212,8 +221,10 @@ on("variant", "change", () => {
   const index = element("variant").value;
   link.send({ type: "variant", index: index === "" ? null : Number(index) });
 });
-on("env-strength", "change", sendEnvironment);
-on("env-rotation", "change", sendEnvironment);
+for (const id of ["env-strength", "env-rotation"]) {
+  on(id, "input", () => {}); // under the hand
+  on(id, "change", sendEnvironment);
+}
 on("fov", "input", () => { camera.fov = number("fov"); moved(); });
 on("take", "click", () => link.send({ type: "take" }));
 on("restart", "click", () => link.send({ type: "restart" }));
@@ -232,6 +243,7 @@ function toggleRegion() {
 }
 
 function togglePause() {
+  if (!state.steers || document.body.classList.contains("offline")) return;
   const paused = element("pause").getAttribute("aria-pressed") !== "true";
   touch("pause");
   showPaused(paused);

@@ -81,7 +81,10 @@ export function touch(id) {
   element(id).touched = performance.now();
 }
 
-const isSettled = (id) => performance.now() - (element(id).touched ?? -Infinity) >= SETTLED_MS;
+function isSettled(id) {
+  const control = element(id);
+  return !control.matches(":active") && performance.now() - (control.touched ?? -Infinity) >= SETTLED_MS;
+}
 
 /** Sets a control to what the server says. */
 export function put(id, value) {

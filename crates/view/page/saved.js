@@ -34,7 +34,7 @@ export class Saved {
     this.#showChosen();
   }
 
-  #views() { return (kept.get(`cameras ${this.#scene}`) ?? []).map((view, i) => ({ ...view, name: nameOf(view, i) })); }
+  #views() { return [kept.get(`cameras ${this.#scene}`)].flat().filter(Boolean).map((view, i) => ({ ...view, name: nameOf(view, i) })); }
 
   #store(views) { return kept.set(`cameras ${this.#scene}`, views); }
 

@@ -35,9 +35,12 @@ export class Stage {
     this.draw();
   }
 
-  /** Draws the frame where it lies in a film that has changed. */
+  /** Draws the frame where it lies in a film that has changed, unless it is of the one before. */
   reshape(shape) {
     if (!this.frame || JSON.stringify(shape) === JSON.stringify(this.shape)) return;
+    const [width, height] = shape.region?.slice(2) ?? shape.film;
+    const apart = Math.abs(this.frame.width * height - this.frame.height * width);
+    if (apart > Math.max(width, height)) return;
     this.shape = shape;
     this.draw();
   }

@@ -71,9 +71,7 @@ impl Changing {
     /// The change that has become ready since this was last asked.
     pub fn ready(&mut self) -> Option<Result<(Prepared, News), ViewError>> {
         let outcome = self.running.done()?;
-        if self.surround.is_none() && self.dress.is_none() {
-            self.wanted = Wanted::default();
-        }
+        self.settle();
         Some(outcome)
     }
 
@@ -88,7 +86,18 @@ impl Changing {
         }
         let Some((change, news)) = self.next() else { return Ok(()) };
         let sketch = sketch();
-        self.running.start(move || Ok((sketch.prepare(change)?, news)))
+        let started = self.running.start(move || Ok((sketch.prepare(change)?, news)));
+        if started.is_err() {
+            self.settle();
+        }
+        started
+    }
+
+    /// Where nothing more is asked for the scene is what it is.
+    fn settle(&mut self) {
+        if self.surround.is_none() && self.dress.is_none() {
+            self.wanted = Wanted::default();
+        }
     }
 
     fn next(&mut self) -> Option<(Change, News)> {

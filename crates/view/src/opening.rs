@@ -94,7 +94,7 @@ fn open(uploaded: Uploaded, seed: Seed) -> Outcome {
         let (image, warnings) = midway_import::load_environment(path).map_err(refused)?;
         (Opened::Environment(image), warnings)
     } else {
-        let options = Options { root: Some(uploaded.folder), ..Options::default() };
+        let options = Options { root: Some(uploaded.folder.path().to_owned()), ..Options::default() };
         let (loaded, warnings) = midway_import::load_with(path, &options);
         let (scene, variants) = loaded.map_err(refused)?;
         (Opened::Scene(Box::new(Engine::new(scene, seed)?), variants), warnings)

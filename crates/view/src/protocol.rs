@@ -43,8 +43,7 @@ pub enum Request {
     },
     /// Forget all samples.
     Restart,
-    /// What is seen at this place of the film, from 0 to 1 right and down: answered by
-    /// [`Reply::Picked`].
+    /// What is seen at this place of the film, from 0 to 1 right and down: answered by an event, `picked`.
     Pick {
         /// Right.
         x: f32,

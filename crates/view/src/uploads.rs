@@ -3,7 +3,7 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
 };
 
 use tempfile::TempDir;
@@ -31,13 +31,13 @@ pub struct Uploads {
 pub struct Uploaded {
     /// Where it lies.
     pub file: PathBuf,
-    /// The folder of all that was uploaded with it, which it may refer to.
-    pub folder: PathBuf,
+    /// The folder of all that was uploaded with it, which it may refer to. It stays until nobody has it any more.
+    pub folder: Arc<TempDir>,
 }
 
 struct Batch {
     number: u64,
-    folder: TempDir,
+    folder: Arc<TempDir>,
     bytes: u64,
     files: usize,
 }
@@ -55,7 +55,8 @@ impl Uploads {
     pub fn write(&self, number: u64, path: &str, bytes: &[u8]) -> Result<(), ViewError> {
         let relative =
             confined(path).ok_or_else(|| ViewError::Refused("no such path may be uploaded".into()))?;
-        let target = self.room(number, bytes)?.join(relative);
+        let folder = self.room(number, bytes)?;
+        let target = folder.path().join(relative);
         if let Some(folder) = target.parent() {
             fs::create_dir_all(folder)?;
         }
@@ -63,12 +64,12 @@ impl Uploads {
     }
 
     /// The folder of an upload that has room for a file more of these bytes.
-    fn room(&self, number: u64, bytes: &[u8]) -> Result<PathBuf, ViewError> {
+    fn room(&self, number: u64, bytes: &[u8]) -> Result<Arc<TempDir>, ViewError> {
         let mut batches = self.batches.lock().unwrap_or_else(PoisonError::into_inner);
         let place = match batches.iter().position(|batch| batch.number == number) {
             Some(place) => place,
             None => {
-                let folder = tempfile::Builder::new().prefix("midway-view-").tempdir()?;
+                let folder = tempfile::Builder::new().prefix("midway-view-").tempdir()?.into();
                 batches.push(Batch { number, folder, bytes: 0, files: 0 });
                 if batches.len() > KEPT {
                     batches.remove(0);
@@ -82,7 +83,7 @@ impl Uploads {
         if batch.bytes > MAX_BATCH || batch.files > MAX_FILES {
             return Err(ViewError::Refused("the upload is larger than 1 GiB or 4096 files".into()));
         }
-        Ok(batch.folder.path().to_owned())
+        Ok(Arc::clone(&batch.folder))
     }
 
     /// A file that was uploaded.
@@ -94,8 +95,8 @@ impl Uploads {
         let relative = confined(path).ok_or_else(none)?;
         let batches = self.batches.lock().unwrap_or_else(PoisonError::into_inner);
         let batch = batches.iter().find(|batch| batch.number == number).ok_or_else(none)?;
-        let folder = batch.folder.path().to_owned();
-        let file = folder.join(relative);
+        let folder = Arc::clone(&batch.folder);
+        let file = folder.path().join(relative);
         if file.is_file() { Ok(Uploaded { file, folder }) } else { Err(none()) }
     }
 }

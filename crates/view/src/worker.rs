@@ -233,7 +233,8 @@ impl Worker {
             }
             Request::Variant { index } => return self.ask_for_variant(index),
             Request::Pause { paused } => {
-                (self.paused, self.judges) = (paused, paused);
+                self.paused = paused;
+                self.judges |= paused;
                 return Ok(());
             }
             Request::Pick { x, y } => {
@@ -243,7 +244,8 @@ impl Worker {
             }
             Request::Decoded | Request::Take | Request::Open { .. } => return Ok(()),
         }
-        (self.failure, self.judges) = (None, self.paused);
+        self.failure = None;
+        self.judges |= self.paused;
         if self.engine.left.renderer.samples() == 0 || self.engine.is_moving() {
             self.measured = Measured::default();
         }
@@ -380,7 +382,7 @@ impl Worker {
         self.stale = pixels.moving;
         self.shown_at = Instant::now();
         self.telling.encoding.show(pixels);
-        if std::mem::take(&mut self.judges) {
+        if self.engine.rests() && std::mem::take(&mut self.judges) {
             self.measured.judge_black(&self.engine)?;
         }
         Ok(())
@@ -396,6 +398,7 @@ impl Worker {
         let variants = (self.variants.names(), self.variant);
         let mut told = scene_message(of, (camera, *target), variants, *surroundings);
         told["opened"] = self.opened.into();
+        told["view"] = self.view();
         self.telling.scene.send_replace(told.to_string().into());
         self.told = told;
     }
@@ -403,10 +406,24 @@ impl Worker {
     /// Tells the view once it rests: browsers that come, or take over, begin with it.
     fn tell_view(&mut self) {
         let moves = self.engine.is_moving();
-        if std::mem::replace(&mut self.moved, moves) && !moves {
-            self.told["view"] = view_of(&self.engine.camera, self.engine.target);
+        if !std::mem::replace(&mut self.moved, moves) || moves {
+            return;
+        }
+        let view = self.view();
+        if view != self.told["view"] {
+            self.told["view"] = view;
             self.telling.scene.send_replace(self.told.to_string().into());
         }
+    }
+
+    /// The view as browsers know it: what is up and what is sharp as it was asked for.
+    fn view(&self) -> Value {
+        let engine = &self.engine;
+        let mut view = view_of(&engine.camera, engine.target);
+        if let Some(asked) = &engine.view {
+            (view["up"], view["focus"]) = (json!(asked.up), json!(asked.focus));
+        }
+        view
     }
 
     fn tell_status(&mut self) {

@@ -140,12 +140,23 @@ impl Client {
             self.hear_next().await?;
         }
         self.ask(&json!({ "type": "take" })).await?;
+        // A scene is opened as the one before is rendered.
+        self.ask_plainly().await?;
         let batch = REST_BATCH + std::process::id() % 1000;
         let open = http::upload(&self.address, &self.key, batch, 0).await?;
         self.send(Message::text(open.ok_or("another client steers")?)).await?;
         while self.named != files(0)[0].0 {
             self.hear_next().await?;
         }
+        self.ask_plainly().await?;
+        let shown = self.seen.frames + RESTING_FRAMES;
+        while self.seen.frames < shown {
+            self.hear_next().await?;
+        }
+        Ok(())
+    }
+
+    async fn ask_plainly(&mut self) -> Outcome {
         for request in [
             json!({ "type": "pause", "paused": false }),
             json!({ "type": "split", "right": null }),
@@ -156,10 +167,6 @@ impl Client {
             json!({ "type": "render", "size": [128, 128], "method": { "integrator": "path" }, "max_path_length": 0 }),
         ] {
             self.ask(&request).await?;
-        }
-        let shown = self.seen.frames + RESTING_FRAMES;
-        while self.seen.frames < shown {
-            self.hear_next().await?;
         }
         Ok(())
     }

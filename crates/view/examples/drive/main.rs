@@ -2,7 +2,7 @@
 //!
 //! `drive ADDRESS SECONDS` orbits with 60 inputs a second and prints frames a second, and the time from
 //! an input's message to the decoded frame that shows it. `drive ADDRESS SECONDS CLIENTS PID` soaks: clients
-//! send random requests, files and nonsense, nap and vanish, and PID's memory is watched (Linux); ends with
+//! send random requests, files and nonsense, nap and vanish, and PID's memory is compared at rest (Linux); ends with
 //! status 1 and a line that says why where the server did not take it well ([`verdict`]). Prints JSON.
 
 mod client;

@@ -46,12 +46,17 @@ pub async fn soak(address: &str, time: Duration, clients: u32, pid: &str) -> Out
             seen = seen.and(client?);
         }
         report.seen = seen;
-        if let Err(error) = rest(address, REST).await {
-            report.seen.failures.push(format!("it does not come to rest: {error}"));
-            break;
+        let rested = rest(address, REST).await;
+        match rested.and_then(|()| Ok((mib(pid, "VmRSS:")?, mib(pid, "VmHWM:")?))) {
+            Ok((at_rest, peak)) => {
+                report.at_rest.push(at_rest);
+                report.peak = peak;
+            }
+            Err(error) => {
+                report.seen.failures.push(format!("it does not come to rest: {error}"));
+                break;
+            }
         }
-        report.at_rest.push(mib(pid, "VmRSS:")?);
-        report.peak = mib(pid, "VmHWM:")?;
     }
     Ok(Report { seconds: start.elapsed().as_secs_f64(), ..report })
 }

@@ -52,7 +52,10 @@ impl Engine {
             return Ok(None);
         }
         let after = self.samples();
-        let shows = if moving { before[0] != after[0] && before[1] != after[1] } else { before != after };
+        let shows = match moving {
+            true => before[0] != after[0] && before[1] != after[1],
+            false => before != after && self.has_picture(),
+        };
         if !shows {
             self.put_off(moving)?;
             return Ok(None);

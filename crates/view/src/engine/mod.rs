@@ -69,6 +69,8 @@ pub struct Engine {
     pub camera: Camera,
     /// The place that it is turned about.
     pub target: Vec3,
+    /// What a browser asked for last; none while it is the scene's own.
+    pub view: Option<View>,
     /// What is asked for while the camera rests.
     pub settings: RenderSettings,
     /// The whole picture, or its left.
@@ -119,6 +121,7 @@ impl Engine {
             surroundings: Surroundings::of(&scene),
             n_images: scene.images.len(),
             target: pick::middle(&scene, &camera),
+            view: None,
             outline: Outline::of(&scene),
             scene,
             camera,
@@ -200,7 +203,7 @@ impl Engine {
             focus_distance: positive(view.focus).unwrap_or_else(|| eye.distance(target)),
             ..self.camera.clone()
         };
-        self.target = target;
+        (self.target, self.view) = (target, Some(*view));
         self.next_camera = Some(self.camera.clone());
         (self.moved_at, self.previewed) = (Some(Instant::now()), false);
         self.input = view.input;
