@@ -17,6 +17,9 @@ use crate::{
     status::{Failure, OrStatus, Outcome, Status},
 };
 
+/// Blocks of so many bytes are the system's own.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+const LARGE: i32 = 64 << 10;
 /// Height where neither flag nor camera says.
 const DEFAULT_HEIGHT: f32 = 512.0;
 
@@ -25,7 +28,7 @@ const DEFAULT_HEIGHT: f32 = 512.0;
 /// # Errors
 /// With the [`Status`] of what went wrong.
 pub fn run(args: &ViewArgs) -> Outcome<Status> {
-    share_arenas();
+    give_memory_back();
     let interrupt = Interrupt::install()?;
     let (mut scene, variants, name) = match &args.scene {
         Some(path) => {
@@ -69,13 +72,15 @@ pub fn run(args: &ViewArgs) -> Outcome<Status> {
     Ok(Status::Success)
 }
 
-/// Has glibc share its memory among threads: it keeps an arena for each, and those of a viewer come and go
-/// with its browsers, so that it grew by half in half an hour.
-fn share_arenas() {
+/// Has glibc give memory back. It keeps an arena for each thread, and those of a viewer come and go with its
+/// browsers; and it takes ever larger blocks from them once such were freed, where a small one that stays keeps
+/// all below it. What comes and goes here (films, frames, files) is large.
+fn give_memory_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: sets a number of the allocator's own, under its lock.
+    // SAFETY: sets numbers of the allocator's own, under its lock.
     unsafe {
         libc::mallopt(libc::M_ARENA_MAX, 2);
+        libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE);
     }
 }
 
