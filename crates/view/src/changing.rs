@@ -113,3 +113,42 @@ impl Changing {
         *self = Self::default();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::{
+        thread,
+        time::{Duration, Instant},
+    };
+
+    use super::*;
+    use crate::engine::tests::{engine, scene};
+
+    /// So that nobody's slider falls back to what there was.
+    #[test]
+    fn what_is_asked_for_is_wanted_until_it_is_ready() {
+        let engine = engine(scene());
+        let turned = |rotation: f32| Surroundings { strength: 0.5, rotation };
+        let mut changing = Changing::default();
+        let mut wanted = Vec::new();
+        changing.surround(turned(10.0));
+        wanted.push(changing.wanted().surroundings);
+        changing.go_on(|| engine.sketch()).unwrap();
+        wanted.push(changing.wanted().surroundings);
+        changing.surround(turned(20.0));
+        for _ in 0..2 {
+            let start = Instant::now();
+            while changing.ready().is_none() {
+                assert!(start.elapsed() < Duration::from_secs(60), "it is never ready");
+                thread::sleep(Duration::from_millis(1));
+            }
+            wanted.push(changing.wanted().surroundings);
+            changing.go_on(|| engine.sketch()).unwrap();
+        }
+        assert_eq!(wanted, [Some(turned(10.0)), Some(turned(10.0)), Some(turned(20.0)), None]);
+        changing.dress(Vec::new(), Some(1));
+        assert_eq!(changing.wanted().variant, Some(Some(1)));
+        changing.forget();
+        assert_eq!(changing.wanted().variant, None);
+    }
+}
