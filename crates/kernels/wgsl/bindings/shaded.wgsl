@@ -47,17 +47,22 @@ fn add_textures(plain: RawPoint) -> RawPoint {
     var point = plain;
     let material = plain.surface.material;
     var slots = textured_slots(material);
+    var texture = NONE;
+    var rgba = vec4<f32>(0.0);
     while (slots != 0u) { // at most N_SLOTS times
         let slot = firstTrailingBit(slots);
         slots &= slots - 1u;
         let word = load_slot(material, slot);
-        let rgba = sample_texture(word >> 2u, plain.surface.uv0, plain.surface.uv1);
+        if ((word >> 2u) != texture) { // roughness and metallic are channels of one
+            texture = word >> 2u;
+            rgba = sample_texture(texture, plain.surface.uv0, plain.surface.uv1);
+        }
         if (slot == SLOT_NORMAL) {
-            point.surface = bend_normal(point.surface, rgba.xyz, word >> 2u);
+            point.surface = bend_normal(point.surface, rgba.xyz, texture);
         } else if (may_have(FEATURE_COAT_NORMALS) && slot == SLOT_CLEARCOAT_NORMAL) {
-            point.surface.coat_ns = bent_normal(plain.surface, rgba.xyz, word >> 2u, scene[material_at(material) + 7u].y);
+            point.surface.coat_ns = bent_normal(plain.surface, rgba.xyz, texture, scene[material_at(material) + 7u].y);
         } else if (may_have(FEATURE_ANISOTROPY) && slot == SLOT_ANISOTROPY_DIRECTION) {
-            point.raw.rotation = turned(point.raw.rotation, rgba.xyz, word >> 2u);
+            point.raw.rotation = turned(point.raw.rotation, rgba.xyz, texture);
         } else {
             point.raw = add_texture(point.raw, slot, rgba, rgba[word & 3u]);
         }

@@ -86,11 +86,26 @@ fn texel_span(x: f32, size: u32, wrap: u32, bilinear: bool) -> Span {
     return Span(wrap_texel(first, size, wrap), wrap_texel(first + 1, size, wrap), coordinate - 0.5 - low);
 }
 
-fn texel_address(texture: Texture, x: u32, y: u32) -> TexelAddress {
-    let pairs = (texture.width + 1u) / 2u;
-    switch texture.encoding {
-        case ENCODING_FLOAT: { return TexelAddress(texture.at + y * texture.width + x, 0u); }
-        case ENCODING_LINEAR16: { return TexelAddress(texture.at + y * pairs + x / 2u, (x & 1u) * 2u); }
-        default: { return TexelAddress(texture.at + (y / 2u) * pairs + x / 2u, (y & 1u) * 2u + (x & 1u)); }
-    }
+/// Where a texel lies; of one that is not there, where the first of its row or column does.
+fn texel_address(texture: Texture, x_or_none: u32, y_or_none: u32) -> TexelAddress {
+    let x = select(x_or_none, 0u, x_or_none == NONE);
+    let y = select(y_or_none, 0u, y_or_none == NONE);
+    // A texel of the store's has 1, 2 x 1 or 2 x 2 of them.
+    let halved = vec2<u32>(select(1u, 0u, texture.encoding == ENCODING_FLOAT),
+        select(0u, 1u, texture.encoding == ENCODING_SRGB8 || texture.encoding == ENCODING_LINEAR8));
+    let columns = (texture.width + halved.x) >> halved.x;
+    let across = x & halved.x;
+    let word = select(across * 2u, (y & 1u) * 2u + across, halved.y == 1u);
+    return TexelAddress(texture.at + (y >> halved.y) * columns + (x >> halved.x), word);
+}
+
+/// What a place along an axis counts: nothing where there is no texel.
+fn texel_share(place: u32) -> f32 {
+    return select(1.0, 0.0, place == NONE);
+}
+
+/// A component that is known at run time alone; indexed so, a vector may be put into memory.
+fn word_of(words: vec4<u32>, index: u32) -> u32 {
+    let two = select(words.xy, words.zw, (index & 2u) != 0u);
+    return select(two.x, two.y, (index & 1u) != 0u);
 }
