@@ -75,13 +75,19 @@ pub(crate) struct Warnings {
     known: HashMap<(WarningKind, String), usize>,
 }
 
+/// Words of a file as they may be shown in a terminal.
+fn shown(words: impl Into<String>) -> String {
+    let words = words.into();
+    if words.contains(char::is_control) { words.replace(char::is_control, "?") } else { words }
+}
+
 impl Warnings {
     pub fn add(&mut self, kind: WarningKind, place: impl Into<String>, message: impl Into<String>) {
-        let message = message.into();
+        let message = shown(message);
         let next = self.list.len();
         let index = *self.known.entry((kind, message.clone())).or_insert(next);
         if index == next {
-            self.list.push(Warning { kind, place: place.into(), count: 0, message });
+            self.list.push(Warning { kind, place: shown(place), count: 0, message });
         }
         self.list[index].count += 1;
     }
@@ -102,12 +108,12 @@ impl Warnings {
 
     /// Like [`Warnings::add`], but never one with others: each place counts.
     pub fn add_apart(&mut self, kind: WarningKind, place: impl Into<String>, message: impl Into<String>) {
-        self.list.push(Warning { kind, place: place.into(), count: 1, message: message.into() });
+        self.list.push(Warning { kind, place: shown(place), count: 1, message: shown(message) });
     }
 
     /// Like [`Warnings::add`], but not counted again where it is known already.
     pub fn add_once(&mut self, kind: WarningKind, place: impl Into<String>, message: impl Into<String>) {
-        let message = message.into();
+        let message = shown(message);
         if !self.known.contains_key(&(kind, message.clone())) {
             self.add(kind, place, message);
         }

@@ -241,3 +241,14 @@ fn unused_things_are_listed_once() {
     assert_eq!(kinds(&import), [Unused, Unused, Primitive, Approximation]);
     assert_eq!(import.warnings[0].count, 2);
 }
+
+/// Found by fuzzing: an object's name went into a warning as it was.
+#[test]
+fn no_name_of_a_file_steers_the_terminal() {
+    let folder = Folder::new();
+    let faces = "vn 0 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2//1 3//1\n";
+    let scene = folder.write("scene.obj", format!("o a\u{17}b\u{1b}[31m\n{faces}"));
+    let lines: Vec<String> = load(&scene).unwrap().warnings.iter().map(ToString::to_string).collect();
+    assert!(lines.iter().any(|line| line.contains("a?b?[31m: normals of length 0")), "{lines:?}");
+    assert!(!lines.iter().any(|line| line.contains(char::is_control)), "{lines:?}");
+}
