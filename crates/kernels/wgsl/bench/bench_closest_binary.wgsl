@@ -11,7 +11,6 @@ fn bench_closest_binary(@builtin(global_invocation_id) id: vec3<u32>) {
     if (index >= arrayLength(&hits)) {
         return;
     }
-    let ray = rays[index * BENCH_RAY_STRIDE];
-    let direction = rays[index * BENCH_RAY_STRIDE + 1u].xyz;
-    store_closest(index, closest_hit_binary(ray.xyz, direction, ray.w));
+    let ray = load_bench_ray(index);
+    store_closest(index, closest_hit_binary(ray.origin, ray.direction, ray.t_max));
 }

@@ -13,6 +13,17 @@ fn passes(id: u32, u: f32, v: f32, origin: vec3<f32>, direction: vec3<f32>) -> b
     return arrayLength(&rays) == 0u;
 }
 
+struct BenchRay {
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+    t_max: f32,
+}
+
+fn load_bench_ray(index: u32) -> BenchRay {
+    let ray = rays[index * BENCH_RAY_STRIDE];
+    return BenchRay(ray.xyz, rays[index * BENCH_RAY_STRIDE + 1u].xyz, ray.w);
+}
+
 fn ray_index(id: vec3<u32>) -> u32 {
     return id.y * GRID_ROW + id.x;
 }

@@ -50,7 +50,7 @@ pub struct Variant {
 }
 
 /// Every variant; the first is what others are compared with.
-const VARIANTS: [Variant; 3] = [
+const VARIANTS: [Variant; 4] = [
     Variant {
         name: "while-while",
         closest: "bench_closest_binary",
@@ -64,6 +64,12 @@ const VARIANTS: [Variant; 3] = [
         width: Width::Binary,
     },
     Variant { name: "wide", closest: "bench_closest_wide", any: "bench_any_wide", width: Width::Wide },
+    Variant {
+        name: "refilled",
+        closest: "bench_closest_refilled",
+        any: "bench_any_refilled",
+        width: Width::Wide,
+    },
 ];
 
 /// What a ray asks.
