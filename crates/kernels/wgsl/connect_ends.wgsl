@@ -14,6 +14,7 @@
 #include "bindings/vertex.wgsl"
 #include "bindings/stored_vertex.wgsl"
 #include "bindings/light_join.wgsl"
+#include "bindings/join_choice.wgsl"
 #include "bindings/join.wgsl"
 
 @compute @workgroup_size(64)

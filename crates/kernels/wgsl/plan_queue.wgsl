@@ -18,6 +18,7 @@ fn plan_queue(@builtin(global_invocation_id) invocation: vec3<u32>) {
     atomicStore(&counters[COUNT_FRONT], front);
     atomicStore(&counters[COUNT_OUT], 0u);
     atomicStore(&counters[COUNT_STARTED], 0u);
+    atomicStore(&counters[COUNT_JOINS], 0u);
     atomicStore(&counters[COUNT_PARITY], 1u - atomicLoad(&counters[COUNT_PARITY]));
     write_grid(ARGS_QUEUE, length);
     count_rays(length);

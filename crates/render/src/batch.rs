@@ -52,15 +52,23 @@ impl LaneSize {
         u64::from(self.shadow_capacity()) * u64::from(k::SHADOW_STRIDE) * VEC4
     }
 
+    /// Room for the joins of a bounce: as many as shadow rays, but for the one of the light that is sampled.
+    fn join_bytes(&self) -> u64 {
+        u64::from(self.n_paths) * u64::from(self.n_shadow_rays - 1) * 8
+    }
+
     fn vertex_bytes(&self) -> u64 {
         u64::from((self.append_at + self.append_capacity).max(1)) * u64::from(k::VERTEX_STRIDE) * VEC4
     }
 
     /// Adds `lanes` lanes of this size to a plan. `own_vertices`: they keep light vertices that are not a pool's.
-    pub fn plan(&self, plan: &mut MemoryPlan, lanes: u64, own_vertices: bool) {
+    pub fn plan(&self, plan: &mut MemoryPlan, lanes: u64, uses: LaneUses, own_vertices: bool) {
         plan.scaling("paths", lanes * self.path_bytes());
         plan.scaling("queues", lanes * u64::from(self.n_paths) * 8);
         plan.scaling("shadow rays", lanes * self.shadow_bytes());
+        if uses.lists_joins() {
+            plan.scaling("joins", lanes * self.join_bytes());
+        }
         if own_vertices {
             plan.scaling("light vertices", lanes * self.vertex_bytes());
             plan.scaling("light paths", lanes * u64::from(self.n_places) * 8);
@@ -80,7 +88,7 @@ pub struct Lane {
     light: Option<LightKernels>,
     connect_camera: Option<BoundKernel>,
     camera: Option<CameraKernels>,
-    connect: Option<BoundKernel>,
+    joins: Option<JoinKernels>,
     trace_closest: BoundKernel,
     plan_queue: BoundKernel,
     plan_shadow: BoundKernel,
@@ -133,14 +141,35 @@ struct CameraKernels {
     shade: BoundKernel,
 }
 
+/// What joins camera vertices to light vertices.
+enum JoinKernels {
+    /// `full` and `k-step`: those that are worth it, one by one.
+    Listed { list: BoundKernel, plan: BoundKernel, connect: BoundKernel },
+    /// Single-step: a path's end.
+    Ends(BoundKernel),
+}
+
+impl JoinKernels {
+    /// The commands of a bounce.
+    fn commands(&self, args: &Buffer) -> Vec<Command> {
+        match self {
+            Self::Listed { list, plan, connect } => vec![
+                dispatch_indirect(list, args, k::ARGS_QUEUE),
+                dispatch(plan, 1),
+                dispatch_indirect(connect, args, k::ARGS_JOINS),
+            ],
+            Self::Ends(connect) => vec![dispatch_indirect(connect, args, k::ARGS_QUEUE)],
+        }
+    }
+}
+
 /// What a lane is for: of the rest it loads no kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LaneUses {
     light: bool,
     splat: bool,
     camera: bool,
-    /// The kernel that joins.
-    join: Option<&'static str>,
+    join: Option<Join>,
 }
 
 impl LaneUses {
@@ -151,16 +180,13 @@ impl LaneUses {
             light: integrator.uses_light_paths(),
             splat: integrator.uses_splat(),
             camera: integrator.uses_camera_paths(),
-            join: integrator.joins().map(|join| match join {
-                Join::SingleStep => "connect_ends",
-                Join::Full | Join::KStep => "connect",
-            }),
+            join: integrator.joins(),
         }
     }
 
     /// The kernels that any integrator needs.
     pub fn all_kernels() -> impl Iterator<Item = &'static str> {
-        Self { light: true, splat: true, camera: true, join: Some("connect") }
+        Self { light: true, splat: true, camera: true, join: Some(Join::Full) }
             .kernels()
             .chain(["connect_ends"])
     }
@@ -170,18 +196,22 @@ impl LaneUses {
         Self { light: true, splat: false, camera: false, join: None }
     }
 
+    /// Whether joins are listed and made one by one.
+    pub fn lists_joins(self) -> bool {
+        matches!(self.join, Some(Join::Full | Join::KStep))
+    }
+
     /// The kernels that it needs.
     pub fn kernels(self) -> impl Iterator<Item = &'static str> {
-        let sets: [(bool, &[&str]); 4] = [
+        let sets: [(bool, &[&str]); 6] = [
             (self.light, &["generate_light", "shade_light"]),
             (self.splat, &["connect_camera"]),
             (self.camera, &["generate_camera", "shade_camera"]),
+            (self.lists_joins(), &["list_joins", "plan_joins", "connect"]),
+            (self.join == Some(Join::SingleStep), &["connect_ends"]),
             (true, &["trace_closest", "trace_shadow", "plan_queue", "plan_shadow"]),
         ];
-        sets.into_iter()
-            .filter(|(used, _)| *used)
-            .flat_map(|(_, names)| names.iter().copied())
-            .chain(self.join)
+        sets.into_iter().filter(|(used, _)| *used).flat_map(|(_, names)| names.iter().copied())
     }
 }
 
@@ -211,6 +241,9 @@ impl Lane {
             add("light_vertices", size.vertex_bytes(), BufferUsage::Storage)?;
             add("light_paths", u64::from(size.n_places) * 8, BufferUsage::Storage)?;
         }
+        if uses.lists_joins() {
+            add("joins", size.join_bytes(), BufferUsage::Storage)?;
+        }
         let bind = |name| set.bind(device, pipelines, name);
         let bind_if = |used: bool, name| used.then(|| bind(name)).transpose();
         let light = || -> Result<_, RenderError> {
@@ -218,6 +251,16 @@ impl Lane {
         };
         let camera = || -> Result<_, RenderError> {
             Ok(CameraKernels { generate: bind("generate_camera")?, shade: bind("shade_camera")? })
+        };
+        let joins = |join| -> Result<_, RenderError> {
+            Ok(match join {
+                Join::SingleStep => JoinKernels::Ends(bind("connect_ends")?),
+                Join::Full | Join::KStep => JoinKernels::Listed {
+                    list: bind("list_joins")?,
+                    plan: bind("plan_joins")?,
+                    connect: bind("connect")?,
+                },
+            })
         };
         let recorder = Recorder { paths, queues, shadow_rays, counters: counters.clone() };
         Ok(Self {
@@ -233,7 +276,7 @@ impl Lane {
             light: uses.light.then(light).transpose()?,
             connect_camera: bind_if(uses.splat, "connect_camera")?,
             camera: uses.camera.then(camera).transpose()?,
-            connect: uses.join.map(bind).transpose()?,
+            joins: uses.join.map(joins).transpose()?,
             trace_closest: bind("trace_closest")?,
             plan_queue: bind("plan_queue")?,
             plan_shadow: bind("plan_shadow")?,
@@ -332,9 +375,7 @@ impl Lane {
         self.begin(device, params, params.n_paths)?;
         let start = vec![dispatch(&camera.generate, params.n_paths), dispatch(&self.plan_queue, 1)];
         let mut bounce = vec![dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE)];
-        if let Some(connect) = &self.connect {
-            bounce.push(dispatch_indirect(connect, &self.args, k::ARGS_QUEUE));
-        }
+        bounce.extend(self.joins.iter().flat_map(|joins| joins.commands(&self.args)));
         bounce.push(dispatch_indirect(&camera.shade, &self.args, k::ARGS_QUEUE));
         bounce.push(dispatch(&self.plan_queue, 1)); // plans shadow rays too
         bounce.push(dispatch_indirect(&self.trace_shadow, &self.args, k::ARGS_SHADOW));

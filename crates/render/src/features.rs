@@ -51,6 +51,15 @@ pub(crate) fn transmits_density(surface: &Surface) -> bool {
     surface_features(surface) & k::FEATURE_TRANSMISSION != 0
 }
 
+/// Whether nothing of a surface scatters into a density, whatever its textures say: they make nothing rough.
+pub(crate) fn is_delta(surface: &Surface) -> bool {
+    match surface {
+        Surface::Conductor { roughness, .. } | Surface::Dielectric { roughness, .. } => roughness.is_smooth(),
+        Surface::Null => true,
+        Surface::Diffuse { .. } | Surface::Plastic { .. } | Surface::MetallicRoughness(_) => false,
+    }
+}
+
 fn surface_features(surface: &Surface) -> u32 {
     let interface = |kind, roughness: &Roughness, transmits: bool| {
         kind | k::FEATURE_INTERFACES | rough(roughness, transmits)

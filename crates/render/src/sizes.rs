@@ -3,7 +3,11 @@
 use midway_device::{DeviceInfo, DeviceKind, MemoryPlan};
 use midway_kernels::constants as k;
 
-use crate::{IntegratorSettings, Join, RenderError, RenderSettings, aov, batch::LaneSize, pool::PoolSize};
+use crate::{
+    IntegratorSettings, Join, RenderError, RenderSettings, aov,
+    batch::{LaneSize, LaneUses},
+    pool::PoolSize,
+};
 
 /// A pool's light vertices are given this much more room than the pilot's mean asks for: a pool that does not
 /// fit is an error.
@@ -96,7 +100,8 @@ impl Sizes {
             n_vertices: reserved_slots(settings, n_light_paths) + lane.append_capacity * n_lanes,
         });
         let mut plan = shared.clone();
-        lane.plan(&mut plan, u64::from(n_lanes), settings.integrator.uses_light_paths() && !uses_pool);
+        let uses = LaneUses::of(settings);
+        lane.plan(&mut plan, u64::from(n_lanes), uses, settings.integrator.uses_light_paths() && !uses_pool);
         if let Some(pool) = pool {
             pool.plan(&mut plan);
         }

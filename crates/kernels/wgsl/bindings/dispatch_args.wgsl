@@ -6,7 +6,8 @@
 const ARGS_QUEUE: u32 = 0u;
 const ARGS_SHADOW: u32 = 3u;
 const ARGS_SPLAT: u32 = 6u;
-const N_ARGS: u32 = 9u;
+const ARGS_JOINS: u32 = 9u;
+const N_ARGS: u32 = 12u;
 
 /// Invocations of a workgroup, in every kernel.
 const WORKGROUP: u32 = 64u;

@@ -17,18 +17,6 @@ fn no_join() -> Join {
     return Join(vec3<f32>(0.0), 0.0, 1.0, 0u, vec3<f32>(0.0), vec3<f32>(0.0));
 }
 
-/// The light path joined to a camera path: its own, or one of the pool drawn for this vertex.
-fn draw_light_path(path: Path) -> u32 {
-    if (!has_flag(FLAG_POOL)) {
-        return batch_place(path);
-    }
-    if (params.join == JOIN_K_STEP) {
-        return 0u; // a vertex of any of them is drawn
-    }
-    let bits = random_bits(path.index, path.sample, dimension(DRAW_JOIN, path.depth));
-    return uniform_index_bits(bits.x, params.n_light_paths);
-}
-
 /// Joins a camera vertex to a light vertex. What has no chance is found out before the light vertex's
 /// material is loaded.
 fn evaluate_join(path: Path, vertex: Vertex, stored: LightVertex) -> Join {

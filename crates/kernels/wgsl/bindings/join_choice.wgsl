@@ -3,6 +3,18 @@
 /// Candidates for each join chosen by importance from a pool.
 const CANDIDATES: u32 = 8u;
 
+/// The light path joined to a camera path: its own, or one of the pool drawn for this vertex.
+fn draw_light_path(path: Path) -> u32 {
+    if (!has_flag(FLAG_POOL)) {
+        return batch_place(path);
+    }
+    if (params.join == JOIN_K_STEP) {
+        return 0u; // a vertex of any of them is drawn
+    }
+    let bits = random_bits(path.index, path.sample, dimension(DRAW_JOIN, path.depth));
+    return uniform_index_bits(bits.x, params.n_light_paths);
+}
+
 /// How many joins the vertex is to make.
 fn join_count(light_path: u32) -> u32 {
     if (params.join == JOIN_K_STEP) {

@@ -44,9 +44,14 @@ fn in_one_channel(plain: RawMaterial, index: u32, throughput: vec3<f32>) -> RawM
     return raw;
 }
 
+/// A record's flags: none of those that finish_material derives.
+fn material_flags(index: u32) -> u32 {
+    return bitcast<u32>(scene[material_at(index) + 2u].w);
+}
+
 /// Whether any of what it transmits has a density.
 fn transmits_density(index: u32) -> bool {
-    return (bitcast<u32>(scene[material_at(index) + 2u].w) & MATERIAL_TRANSMITS) != 0u;
+    return (material_flags(index) & MATERIAL_TRANSMITS) != 0u;
 }
 
 /// The curves that `finish_material` asks for.

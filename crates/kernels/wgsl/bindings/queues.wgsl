@@ -22,12 +22,14 @@ const COUNT_NEXT: u32 = 8u;
 /// Paths pushed from the end, and how many of those that are read now are at the front.
 const COUNT_STARTED: u32 = 9u;
 const COUNT_FRONT: u32 = 10u;
+/// Joins listed in this bounce.
+const COUNT_JOINS: u32 = 11u;
 /// Rays traced in all: two words.
-const COUNT_RAYS_LOW: u32 = 11u;
-const COUNT_RAYS_HIGH: u32 = 12u;
+const COUNT_RAYS_LOW: u32 = 12u;
+const COUNT_RAYS_HIGH: u32 = 13u;
 /// Contributions that were NaN, infinite or negative, and film sums that overflowed.
-const COUNT_REJECTED: u32 = 13u;
-const COUNT_OVERFLOW: u32 = 14u;
+const COUNT_REJECTED: u32 = 14u;
+const COUNT_OVERFLOW: u32 = 15u;
 /// How many counters there are.
 const N_COUNTERS: u32 = 16u;
 

@@ -2,7 +2,7 @@
 
 /// vec4 per ray.
 const SHADOW_STRIDE: u32 = 3u;
-/// Joins of one camera vertex in one bounce at most; a vertex with more waits for the next.
+/// Joins of one camera vertex in one bounce at most, a power of two; a vertex with more waits for the next.
 const CONNECTIONS_PER_BOUNCE: u32 = 8u;
 
 @group(0) @binding(7) var<storage, read_write> shadow_rays: array<vec4<f32>>;

@@ -49,6 +49,8 @@ const FEATURE_COAT_NORMALS: u32 = 4194304u;
 const FEATURE_LIGHT_TREE: u32 = 8388608u;
 /// Anisotropic surfaces with an inside that light travels in.
 const FEATURE_STRETCHED_SOLIDS: u32 = 16777216u;
+/// An invocation of connect makes several joins, one after another: no scene asks for it, so that a CPU alone has it.
+const FEATURE_JOIN_RUNS: u32 = 33554432u;
 
 /// Whether the scene may have something.
 fn may_have(feature: u32) -> bool {

@@ -32,6 +32,8 @@ const MATERIAL_TRANSMITS: u32 = 256u;
 const MATERIAL_DISPERSES: u32 = 512u;
 /// Its coat has a normal of its own.
 const MATERIAL_COAT_NORMAL: u32 = 1024u;
+/// Nothing of it scatters into a density, whatever its textures say.
+const MATERIAL_DELTA: u32 = 2048u;
 
 /// A record: the scene's values, unchanged.
 struct RawMaterial {

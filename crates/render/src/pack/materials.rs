@@ -6,7 +6,7 @@ use midway_kernels::constants as k;
 use midway_scene::{CoatNormal, ConductorFresnel, Material, MetallicRoughness, Roughness, Sides, Surface};
 
 use super::{Word4, word4};
-use crate::features::{has_coat_normal, transmits_density};
+use crate::features::{has_coat_normal, is_delta, transmits_density};
 
 /// What a record holds, in the terms of `RawMaterial`.
 #[derive(Default)]
@@ -41,8 +41,9 @@ pub(super) fn pack_material(material: &Material, slot_flags: u32) -> [Word4; k::
     let spread = material.surface.ior_spread();
     let coat_normal = if has_coat_normal(material) { k::MATERIAL_COAT_NORMAL } else { 0 };
     let disperses = if spread > 0.0 { k::MATERIAL_DISPERSES } else { 0 };
-    let flags =
-        record.flags | slot_flags | emits_back | front_only(material) | transmits | disperses | coat_normal;
+    let delta = if is_delta(&material.surface) { k::MATERIAL_DELTA } else { 0 };
+    let own = emits_back | front_only(material) | transmits | disperses | coat_normal | delta;
+    let flags = record.flags | slot_flags | own;
     let [a, b] = record.roughness;
     let float4 = |v: [f32; 4]| v.map(f32::to_bits);
     let [x, y, z] = record.k_or_coat;
