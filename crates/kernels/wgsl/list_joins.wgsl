@@ -1,5 +1,6 @@
-// Lists which light vertices each camera vertex is joined to (s >= 2), by full and k-step, but for those that the sides of
-// both surfaces rule out.
+// Lists which light vertices each camera vertex is joined to (s >= 2), by full and k-step. On a GPU those are left out
+// that the sides of either surface, or the path's length, rule out: invocations of connect wait for each other. On a CPU
+// connect finds it out for itself, at no more cost.
 // One invocation: one queued path. Reads: scene, paths, queues, light_vertices, light_paths. Writes: joins; in the path,
 // how many joins are made where more than CONNECTIONS_PER_BOUNCE are to be, so that it waits for the rest
 // (trace_closest and shade_camera leave it alone meanwhile).
@@ -36,7 +37,10 @@ fn list_joins(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let end = min(path.joined + CONNECTIONS_PER_BOUNCE, n_joins);
     var found: array<u32, CONNECTIONS_PER_BOUNCE>;
     var n_found = 0u;
-    var linked = select(NONE, nth_from_end(light_path, path.joined), params.join == JOIN_FULL);
+    var linked = NONE;
+    if (params.join == JOIN_FULL) {
+        linked = nth_from_end(light_path, path.joined);
+    }
     for (var j = path.joined; j < end; j += 1u) {
         if (candidate_count() > 1u) {
             found[n_found] = j;
@@ -47,10 +51,10 @@ fn list_joins(@builtin(global_invocation_id) invocation: vec3<u32>) {
         if (slot == NONE) {
             break;
         }
-        let stored = load_light_vertex(slot);
-        linked = stored.link;
-        // connect rules out the same, which costs one alone no more: invocations side by side wait for each other.
-        if (may_have(FEATURE_JOIN_RUNS) || may_join(path, surface, stored)) {
+        if (params.join == JOIN_FULL) {
+            linked = load_light_vertex(slot).link;
+        }
+        if (may_have(FEATURE_JOIN_RUNS) || may_join(path, surface, load_light_vertex(slot))) {
             found[n_found] = slot;
             n_found += 1u;
         }

@@ -1,7 +1,7 @@
 // At each vertex of a camera subpath: light found by hitting it (s = 0), light sampled afresh
 // (s = 1), roulette, and the next direction.
 // One invocation: one queued path. Reads: scene, paths, queues. Writes: paths, queues, shadow_rays,
-// film. Leaves: in the queue's write half the paths that go on, those that `connect` has not finished
+// film. Leaves: in the queue's write half the paths that go on, those that `list_joins` has not finished
 // with, unchanged, and in the slots of those that ended the next of the batch.
 
 #include "bindings/params.wgsl"

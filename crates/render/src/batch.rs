@@ -141,11 +141,18 @@ struct CameraKernels {
     shade: BoundKernel,
 }
 
-/// What joins camera vertices to light vertices.
+/// How camera vertices are joined to light vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Joining {
+    /// `full` and `k-step`: joins are listed and made one by one.
+    Listed,
+    /// Single-step: where a path ends.
+    Ends,
+}
+
+/// What does so.
 enum JoinKernels {
-    /// `full` and `k-step`: those that are worth it, one by one.
     Listed { list: BoundKernel, plan: BoundKernel, connect: BoundKernel },
-    /// Single-step: a path's end.
     Ends(BoundKernel),
 }
 
@@ -169,7 +176,7 @@ pub struct LaneUses {
     light: bool,
     splat: bool,
     camera: bool,
-    join: Option<Join>,
+    joins: Option<Joining>,
 }
 
 impl LaneUses {
@@ -180,25 +187,28 @@ impl LaneUses {
             light: integrator.uses_light_paths(),
             splat: integrator.uses_splat(),
             camera: integrator.uses_camera_paths(),
-            join: integrator.joins(),
+            joins: integrator.joins().map(|join| match join {
+                Join::SingleStep => Joining::Ends,
+                Join::Full | Join::KStep => Joining::Listed,
+            }),
         }
     }
 
     /// The kernels that any integrator needs.
     pub fn all_kernels() -> impl Iterator<Item = &'static str> {
-        Self { light: true, splat: true, camera: true, join: Some(Join::Full) }
+        Self { light: true, splat: true, camera: true, joins: Some(Joining::Listed) }
             .kernels()
             .chain(["connect_ends"])
     }
 
     /// Light paths alone, for themselves.
     pub fn light_paths() -> Self {
-        Self { light: true, splat: false, camera: false, join: None }
+        Self { light: true, splat: false, camera: false, joins: None }
     }
 
     /// Whether joins are listed and made one by one.
     pub fn lists_joins(self) -> bool {
-        matches!(self.join, Some(Join::Full | Join::KStep))
+        self.joins == Some(Joining::Listed)
     }
 
     /// The kernels that it needs.
@@ -208,7 +218,7 @@ impl LaneUses {
             (self.splat, &["connect_camera"]),
             (self.camera, &["generate_camera", "shade_camera"]),
             (self.lists_joins(), &["list_joins", "plan_joins", "connect"]),
-            (self.join == Some(Join::SingleStep), &["connect_ends"]),
+            (self.joins == Some(Joining::Ends), &["connect_ends"]),
             (true, &["trace_closest", "trace_shadow", "plan_queue", "plan_shadow"]),
         ];
         sets.into_iter().filter(|(used, _)| *used).flat_map(|(_, names)| names.iter().copied())
@@ -252,10 +262,10 @@ impl Lane {
         let camera = || -> Result<_, RenderError> {
             Ok(CameraKernels { generate: bind("generate_camera")?, shade: bind("shade_camera")? })
         };
-        let joins = |join| -> Result<_, RenderError> {
-            Ok(match join {
-                Join::SingleStep => JoinKernels::Ends(bind("connect_ends")?),
-                Join::Full | Join::KStep => JoinKernels::Listed {
+        let joins = |joining| -> Result<_, RenderError> {
+            Ok(match joining {
+                Joining::Ends => JoinKernels::Ends(bind("connect_ends")?),
+                Joining::Listed => JoinKernels::Listed {
                     list: bind("list_joins")?,
                     plan: bind("plan_joins")?,
                     connect: bind("connect")?,
@@ -276,7 +286,7 @@ impl Lane {
             light: uses.light.then(light).transpose()?,
             connect_camera: bind_if(uses.splat, "connect_camera")?,
             camera: uses.camera.then(camera).transpose()?,
-            joins: uses.join.map(joins).transpose()?,
+            joins: uses.joins.map(joins).transpose()?,
             trace_closest: bind("trace_closest")?,
             plan_queue: bind("plan_queue")?,
             plan_shadow: bind("plan_shadow")?,

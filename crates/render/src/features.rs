@@ -51,13 +51,23 @@ pub(crate) fn transmits_density(surface: &Surface) -> bool {
     surface_features(surface) & k::FEATURE_TRANSMISSION != 0
 }
 
-/// Whether nothing of a surface scatters into a density, whatever its textures say: they make nothing rough.
+/// Whether nothing of a surface scatters into a density, whatever its textures say: they only multiply.
 pub(crate) fn is_delta(surface: &Surface) -> bool {
     match surface {
         Surface::Conductor { roughness, .. } | Surface::Dielectric { roughness, .. } => roughness.is_smooth(),
+        Surface::MetallicRoughness(model) => is_delta_metallic_roughness(model),
         Surface::Null => true,
-        Surface::Diffuse { .. } | Surface::Plastic { .. } | Surface::MetallicRoughness(_) => false,
+        Surface::Diffuse { .. } | Surface::Plastic { .. } => false,
     }
+}
+
+fn is_delta_metallic_roughness(model: &MetallicRoughness) -> bool {
+    let zero = |input: &ScalarInput| input.value == 0.0;
+    let one = |input: &ScalarInput| input.value == 1.0 && input.texture.is_none();
+    let has_diffuse = !one(&model.metallic) && !one(&model.transmission);
+    let has_rough_coat = !zero(&model.clearcoat) && !zero(&model.clearcoat_roughness);
+    let has_sheen = model.sheen_color.value != glam::Vec3::ZERO;
+    zero(&model.roughness) && zero(&model.anisotropy) && !has_diffuse && !has_rough_coat && !has_sheen
 }
 
 fn surface_features(surface: &Surface) -> u32 {
@@ -97,4 +107,31 @@ fn metallic_roughness(model: &MetallicRoughness) -> u32 {
         (layers, k::FEATURE_LAYERS),
     ];
     set.iter().filter(|(has, _)| *has).fold(0, |all, (_, feature)| all | feature)
+}
+
+#[cfg(test)]
+mod tests {
+    use midway_scene::{Channel, Texture};
+
+    use super::*;
+
+    #[test]
+    fn smooth_metal_and_glass_are_delta_unless_a_texture_takes_some_of_it_away() {
+        let plain =
+            MetallicRoughness { metallic: 1.0.into(), roughness: 0.0.into(), ..MetallicRoughness::default() };
+        let delta = |change: &dyn Fn(&mut MetallicRoughness)| {
+            let mut model = plain.clone();
+            change(&mut model);
+            is_delta(&Surface::MetallicRoughness(Box::new(model)))
+        };
+        assert!(delta(&|_| ()));
+        assert!(delta(&|m| (m.metallic, m.transmission) = (0.0.into(), 1.0.into())));
+        assert!(delta(&|m| m.clearcoat = 1.0.into()), "a smooth coat");
+        assert!(!delta(&|m| m.metallic = 0.5.into()));
+        assert!(!delta(&|m| m.metallic.texture = Some((Texture::new(0), Channel::B))));
+        assert!(!delta(&|m| m.roughness = 0.01.into()));
+        assert!(!delta(&|m| m.anisotropy = 0.5.into()));
+        assert!(!delta(&|m| m.sheen_color.value = glam::Vec3::splat(0.1)));
+        assert!(!delta(&|m| (m.clearcoat, m.clearcoat_roughness) = (1.0.into(), 0.3.into())));
+    }
 }

@@ -31,6 +31,7 @@ const FILTERS: &str = "an_edge_has_the_filters_profile";
 const CROPS: &str = "a_crop_has_the_bits_of_the_whole";
 const NORMAL_MAPS: &str = "a_map_lies_the_same";
 const DISPERSION: &str = "that_disperses_has_each_channels_index";
+const GPU_SAMPLES: &str = "a_gpu_renders_the_same_samples";
 const LIGHT_TREE: &str = "light_tree::";
 
 /// The mutants.
@@ -104,6 +105,27 @@ pub const MUTANTS: &[Mutant] = &[
         find: "total / (f32(params.k) * importance)",
         replace: "f32(n) / f32(params.k)",
         caught_by: LIT_SPHERE,
+    },
+    Mutant {
+        name: "joins-beyond-eight-dropped",
+        file: "list_joins.wgsl",
+        find: "select(0u, end, end < n_joins)",
+        replace: "0u",
+        caught_by: FURNACES,
+    },
+    Mutant {
+        name: "joins-listed-twice",
+        file: "list_joins.wgsl",
+        find: "found[listed + i]",
+        replace: "found[i]",
+        caught_by: LIT_SPHERE,
+    },
+    Mutant {
+        name: "joins-ruled-out-by-the-wrong-side",
+        file: "list_joins.wgsl",
+        find: "stored.wo, -wi)",
+        replace: "stored.wo, wi)",
+        caught_by: GPU_SAMPLES,
     },
     Mutant {
         name: "pool-factor-inverted",

@@ -1,11 +1,11 @@
-// The joins of a bounce: list_joins writes them, connect makes them. So its invocations all have one to make, where camera
-// vertices have none or many.
+// The joins of a bounce: list_joins writes them, connect makes them. So invocations of connect all have one to make,
+// where camera vertices have none or many.
 
 /// Joins that an invocation makes: on a CPU it shades a camera vertex once for all of its own, which lie side by side.
 const JOIN_RUN: u32 = 16u;
 
 /// Two words a join: the camera path, and the slot of the light vertex; where connect chooses that itself from
-/// candidates, the join's number. Capacity is reserved: CONNECTIONS_PER_BOUNCE a path and bounce.
+/// candidates, the join's number. Capacity is reserved: CONNECTIONS_PER_BOUNCE a path and bounce, or K where that is less.
 @group(0) @binding(26) var<storage, read_write> joins: array<u32>;
 
 struct ListedJoin {

@@ -20,8 +20,8 @@ struct Path {
     direction: vec3<f32>,
     /// Surface vertices so far.
     depth: u32,
-    /// Light vertices that the vertex just hit is already joined with, where a bounce has more than
-    /// CONNECTIONS_PER_BOUNCE; 0 otherwise.
+    /// Joins of the vertex just hit that are already listed, where it has more than CONNECTIONS_PER_BOUNCE; 0
+    /// otherwise.
     joined: u32,
     /// The first segment of a subpath that starts with parallel rays, at an infinite light or a camera:
     /// the density of its end has no inverse square in it.

@@ -50,6 +50,7 @@ const FEATURE_LIGHT_TREE: u32 = 8388608u;
 /// Anisotropic surfaces with an inside that light travels in.
 const FEATURE_STRETCHED_SOLIDS: u32 = 16777216u;
 /// An invocation of connect makes several joins, one after another: no scene asks for it, so that a CPU alone has it.
+/// plan_joins and connect go by it, and have to be compiled with the same FEATURES.
 const FEATURE_JOIN_RUNS: u32 = 33554432u;
 
 /// Whether the scene may have something.

@@ -232,6 +232,9 @@ fn answers(
     batch: &OnDevice<'_>,
     trial: &Trial<'_>,
 ) -> Result<Vec<[u32; 4]>, RenderError> {
+    // None of another trial's answers stands in for one that is missing.
+    let none = vec![[k::NONE; 4]; batch.hits.bytes() as usize / 16];
+    device.write_buffer(&batch.hits, 0, bytemuck::cast_slice(&none))?;
     device.run(std::slice::from_ref(&trial.command), false)?;
     let bytes = device.read_buffer(&batch.hits, 0, batch.hits.bytes())?;
     Ok(bytemuck::pod_collect_to_vec(&bytes))
