@@ -12,7 +12,6 @@ use std::fmt::Write as _;
 
 use midway_device::DeviceKind;
 use midway_film::{Image, mean_and_trimmed};
-use midway_kernels::constants as k;
 
 use crate::{Integrator, IntegratorSettings, Join, RenderError, RenderSettings, Renderer};
 
@@ -36,19 +35,13 @@ const BLOCK: usize = 8;
 const FAR_BEHIND: f64 = 1.25;
 /// Keeps relative errors finite where the image is dark, as in relMSE.
 const EPSILON: f64 = 0.01;
-/// How long a ray of `bdpt` takes, for what is computed at its ends, against a ray of `path`. On a GPU (H100)
-/// more by join, and more where surfaces have textures or many lobes: 1.3 to 1.42 times in plain scenes by
-/// `full`, 1.22 to 1.39 by k-step 1, but 1.75 to 2.05 and 1.35 to 1.54 in Sponza, the kitchen and behind
-/// Veach's door. On two cores 1.3 times.
-fn bdpt_ray_cost(kind: DeviceKind, features: u32, integrator: &IntegratorSettings) -> f64 {
-    let has_rich_surfaces = features & (k::FEATURE_TEXTURES | k::FEATURE_METALLIC_ROUGHNESS) != 0;
+/// How long a ray of `bdpt` takes, for what is computed at its ends, against a ray of `path`. On a GPU (H100) 1.24
+/// to 1.5 times by `full`, in boxes as in Sponza, and 1.23 to 1.37 by k-step 1. On two cores 1.3 times.
+fn bdpt_ray_cost(kind: DeviceKind, integrator: &IntegratorSettings) -> f64 {
     let has_one_join = integrator.joins() == Some(Join::KStep) && integrator.k == 1;
-    match (kind, has_rich_surfaces, has_one_join) {
-        (DeviceKind::Cpu | DeviceKind::SoftwareGpu, ..) => 1.3,
-        (DeviceKind::Gpu, false, false) => 1.4,
-        (DeviceKind::Gpu, false, true) => 1.3,
-        (DeviceKind::Gpu, true, false) => 1.9,
-        (DeviceKind::Gpu, true, true) => 1.5,
+    match kind {
+        DeviceKind::Gpu if !has_one_join => 1.4,
+        DeviceKind::Gpu | DeviceKind::Cpu | DeviceKind::SoftwareGpu => 1.3,
     }
 }
 
@@ -189,7 +182,7 @@ fn warm_up(mut renderer: Renderer) -> Result<WarmUp, RenderError> {
     let images = [image(SEEDS[0])?, image(SEEDS[1])?];
     let rays = renderer.stats()?.rays as f64 / samples;
     let is_bdpt = integrator.integrator == Integrator::Bdpt;
-    let cost = || bdpt_ray_cost(renderer.device().info().kind, renderer.features(), &integrator);
+    let cost = || bdpt_ray_cost(renderer.device().info().kind, &integrator);
     let ray = if is_bdpt { cost() } else { 1.0 };
     Ok(WarmUp { integrator, images, work: rays * ray })
 }

@@ -234,11 +234,6 @@ impl Renderer {
         nee.then(|| samples_by_tree(&self.settings, &self.kept.packed))
     }
 
-    /// What the scene needs of kernels (`FEATURE_*`).
-    pub(crate) fn features(&self) -> u32 {
-        self.kept.packed.features
-    }
-
     /// What it runs on.
     pub fn device(&self) -> &dyn Device {
         &*self.device
