@@ -482,3 +482,15 @@ fn instances_share_their_mesh() {
     assert_eq!(kinds(&import), [WarningKind::Unused]);
     assert!(import.scene.world_triangles().all(|t| t.geometric_normal() == Some(Vec3::Z)));
 }
+
+/// Found by fuzzing: an extension's name went into a warning as it was.
+#[test]
+fn no_name_of_an_extension_steers_the_terminal() {
+    let import = import(&triangle_with(
+        "/materials/0",
+        json!({"emissiveFactor": [1, 1, 1], "extensions": {"KHR\u{7f}materials\u{1b}[31m": {}}}),
+    ));
+    let lines: Vec<String> = import.warnings.iter().map(ToString::to_string).collect();
+    assert!(lines.iter().any(|line| line.contains("KHR?materials?[31m is not used")), "{lines:?}");
+    assert!(!lines.iter().any(|line| line.contains(char::is_control)), "{lines:?}");
+}
