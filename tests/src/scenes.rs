@@ -425,6 +425,23 @@ pub fn camera_in_glass() -> Known {
     Known::new("camera in glass", scene, false, |_, _| Vec3::splat((IOR * IOR) as f32))
 }
 
+/// The same in rough glass, whose facets scatter in all directions: it sees n² nevertheless.
+pub fn camera_in_rough_glass() -> Known {
+    let mut scene = furnace_room();
+    let rough = Surface::Dielectric {
+        ior: IOR as f32,
+        dispersion: 0.0,
+        reflection: Vec3::ONE.into(),
+        transmission: Vec3::ONE.into(),
+        sigma_a: Vec3::ZERO,
+        thin: false,
+        roughness: Roughness::alpha(0.4),
+    };
+    add(&mut scene, Shape::icosphere(3, Vec3::ZERO, 0.5), Material::new(rough));
+    scene.cameras = vec![camera(Vec3::new(0.01, 0.02, 0.0), -Vec3::Z, 60.0)];
+    Known::new("camera in rough glass", scene, false, |_, _| Vec3::splat((IOR * IOR) as f32))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

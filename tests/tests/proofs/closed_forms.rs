@@ -141,6 +141,21 @@ fn a_camera_in_glass_sees_the_square_of_the_index() {
     prove_on_cpu(&scenes::camera_in_glass());
 }
 
+/// Seen from outside, what a surface lacks of n² on the way in it has too much of on the way out: only from within does
+/// it show. Within what the tables of albedos leave (TESTING.md).
+#[test]
+fn a_camera_in_rough_glass_sees_the_square_of_the_index() {
+    let _turn = in_turn();
+    let known = scenes::camera_in_rough_glass();
+    let mut report = Report::default();
+    for case in [integrators::path_naive(), integrators::path(), integrators::full()] {
+        let (name, found) = compare(&cpu(), &known, &case, SAMPLES);
+        let is_square = (found.ratio - 1.0).abs() <= 0.02 + 3.0 * found.ratio_error;
+        report.note(&format!("{name}: {:.4} +- {:.4}", found.ratio, found.ratio_error), is_square);
+    }
+    report.finish();
+}
+
 #[test]
 fn a_floor_under_a_point_light() {
     prove_lit_on_cpu(&lit::point());

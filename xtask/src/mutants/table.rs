@@ -19,6 +19,7 @@ pub struct Mutant {
 const FACING_SQUARES: &str = "facing_squares";
 const LIT_SPHERE: &str = "a_closed_sphere_with_an_area_light";
 const LAMP_IN_GLASS: &str = "a_lamp_in_glass";
+const IN_ROUGH_GLASS: &str = "a_camera_in_rough_glass";
 const FURNACES: &str = "a_white_furnace";
 const SMALL_POOL: &str = "a_pool_of_two_paths";
 const SHADING_NORMALS: &str = "integrators_agree_on_shading_normals";
@@ -69,7 +70,7 @@ pub const MUTANTS: &[Mutant] = &[
         file: "lib/bsdf_terms.wgsl",
         find: "select(f, f / (eta * eta), bends(material))",
         replace: "f",
-        caught_by: MATERIALS,
+        caught_by: IN_ROUGH_GLASS,
     },
     Mutant {
         name: "join-through-the-medium-behind",
