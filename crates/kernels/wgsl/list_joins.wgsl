@@ -1,9 +1,9 @@
-// Lists which light vertices each camera vertex is joined to (s >= 2), by full and k-step. On a GPU those are left out
-// that the sides of either surface, or the path's length, rule out: invocations of connect wait for each other. On a CPU
-// connect finds it out for itself, at no more cost.
-// One invocation: one queued path. Reads: scene, paths, queues, light_vertices, light_paths. Writes: joins; in the path,
-// how many joins are made where more than CONNECTIONS_PER_BOUNCE are to be, so that it waits for the rest
-// (trace_closest and shade_camera leave it alone meanwhile).
+// Lists which light vertices each camera vertex is joined to (s >= 2), by full and k-step. On a GPU those
+// are left out that the sides of either surface, or the path's length, rule out: invocations of connect wait
+// for each other. On a CPU connect finds it out for itself, at no more cost.
+// One invocation: one queued path. Reads: scene, paths, queues, light_vertices, light_paths. Writes: joins; in
+// the path, how many are listed where there are more than CONNECTIONS_PER_BOUNCE, so that it waits for the
+// rest (trace_closest and shade_camera leave it alone meanwhile).
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"

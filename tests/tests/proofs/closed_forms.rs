@@ -141,8 +141,8 @@ fn a_camera_in_glass_sees_the_square_of_the_index() {
     prove_on_cpu(&scenes::camera_in_glass());
 }
 
-/// Seen from outside, what a surface lacks of n² on the way in it has too much of on the way out: only from within does
-/// it show. Within what the tables of albedos leave (TESTING.md).
+/// Seen from outside, what a surface lacks of n² on the way in it has too much of on the way out: only from
+/// within does it show. Within what the tables of albedos leave (TESTING.md).
 #[test]
 fn a_camera_in_rough_glass_sees_the_square_of_the_index() {
     let _turn = in_turn();

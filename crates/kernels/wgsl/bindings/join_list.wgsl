@@ -5,7 +5,8 @@
 const JOIN_RUN: u32 = 16u;
 
 /// Two words a join: the camera path, and the slot of the light vertex; where connect chooses that itself from
-/// candidates, the join's number. Capacity is reserved: CONNECTIONS_PER_BOUNCE a path and bounce, or K where that is less.
+/// candidates, the join's number. Capacity is reserved: CONNECTIONS_PER_BOUNCE a path and bounce, or K where
+/// that is less.
 @group(0) @binding(26) var<storage, read_write> joins: array<u32>;
 
 struct ListedJoin {

@@ -37,8 +37,8 @@ fn texel_rgba(encoding: u32, words: vec4<u32>, word: u32) -> vec4<f32> {
         f32(bytes >> 24u) / 255.0);
 }
 
-/// A texture at a point of a surface, linear RGBA. Its four texels are asked for before any is looked at: none waits for
-/// another.
+/// A texture at a point of a surface, linear RGBA. Its four texels are asked for before any is looked at: none
+/// waits for another.
 fn sample_texture(index: u32, uv0: vec2<f32>, uv1: vec2<f32>) -> vec4<f32> {
     let texture = load_texture(index);
     let uv = vec3<f32>(select(uv0, uv1, texture.uv_set == 1u), 1.0);

@@ -254,7 +254,7 @@ fn traversal_finds_what_trying_all_triangles_finds() {
 }
 
 /// The binary hierarchy by both of its kernels, and the wide one by those of `bench rays`: 2000 rays are no
-/// multiple of what an invocation of the last takes.
+/// multiple of the 512 that a group of the last takes.
 #[test]
 fn measured_traversals_find_what_trying_all_triangles_finds() {
     let triangles = mesh();
