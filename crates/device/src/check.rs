@@ -61,6 +61,12 @@ impl Check<'_> {
         Err(DeviceError::TexelStore { label: buffer.label.to_string() })
     }
 
+    /// That a buffer may be written at `offset`.
+    pub(crate) fn write(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError> {
+        self.range(buffer, offset, data.len() as u64)?;
+        self.whole_texels(buffer, offset, data.len() as u64)
+    }
+
     /// That a kernel binds no more storage buffers than the device takes.
     pub(crate) fn kernel(&self, kernel: &'static Kernel) -> Result<(), DeviceError> {
         let storage = kernel.bindings.iter().filter(|binding| binding.kind.is_storage());
@@ -120,6 +126,7 @@ impl Check<'_> {
                 }
                 Ok(())
             }
+            Command::Write { to, offset, data } => self.write(to, *offset, data),
         }
     }
 

@@ -41,6 +41,8 @@ pub struct DeviceInfo {
 pub struct RunTiming {
     /// From submission to the end, as this process saw it.
     pub wall: Duration,
+    /// The longest of the parts that it was submitted in; all of it where the device makes no parts.
+    pub longest_part: Duration,
     /// `(kernel name, time on the device)` in order of the dispatches; empty if not measured.
     pub dispatches: Vec<(&'static str, Duration)>,
 }
@@ -152,6 +154,22 @@ pub trait Device: Send + Sync {
     /// # Errors
     /// If a command is refused (then none has run) or the device is lost.
     fn run(&self, commands: &[Command], timed: bool) -> Result<RunTiming, DeviceError>;
+
+    /// [`Device::run`], then [`Device::read_buffer`] of `bytes` at `offset` of `buffer`: a GPU is waited for
+    /// once.
+    ///
+    /// # Errors
+    /// Those of both.
+    fn run_and_read(
+        &self,
+        commands: &[Command],
+        timed: bool,
+        buffer: &Buffer,
+        (offset, bytes): (u64, u64),
+    ) -> Result<(RunTiming, Vec<u8>), DeviceError> {
+        let timing = self.run(commands, timed)?;
+        Ok((timing, self.read_buffer(buffer, offset, bytes)?))
+    }
 }
 
 /// A new buffer that holds a copy of `words`, at least one.

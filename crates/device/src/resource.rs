@@ -160,4 +160,13 @@ pub enum Command {
         /// How many bytes.
         bytes: u64,
     },
+    /// Put the host's bytes into a buffer, as [`Device::write_buffer`](crate::Device::write_buffer).
+    Write {
+        /// Destination.
+        to: Buffer,
+        /// In bytes, a multiple of 4 as is the length.
+        offset: u64,
+        /// What it will hold there.
+        data: Arc<[u8]>,
+    },
 }

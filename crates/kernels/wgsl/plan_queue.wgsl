@@ -21,6 +21,9 @@ fn plan_queue(@builtin(global_invocation_id) invocation: vec3<u32>) {
     atomicStore(&counters[COUNT_JOINS], 0u);
     atomicStore(&counters[COUNT_PARITY], 1u - atomicLoad(&counters[COUNT_PARITY]));
     write_grid(ARGS_QUEUE, length);
+    if (length > 0u) {
+        atomicAdd(&counters[COUNT_BOUNCES], 1u);
+    }
     count_rays(length);
     plan_shadow_rays();
     if (params.append_transient != 0u) {

@@ -4,12 +4,14 @@ use std::{
     collections::BTreeMap,
     sync::{
         Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicU64, AtomicUsize, Ordering},
     },
     time::Duration,
 };
 
-use midway_device::{BoundKernel, Buffer, BufferUsage, Command, Device, DeviceError, MemoryPlan};
+use midway_device::{
+    BoundKernel, Buffer, BufferUsage, Command, Device, DeviceError, DeviceKind, MemoryPlan, RunTiming,
+};
 use midway_kernels::{constants as k, layout::Params};
 
 use crate::{
@@ -20,6 +22,8 @@ use crate::{
 
 /// Bytes of a vec4.
 const VEC4: u64 = 16;
+/// Bounces of a GPU between two questions whether any path is left, where more were taken than expected.
+const BOUNCES_PER_RUN: usize = 16;
 /// Counters that a batch starts from zero; those after them add up over the render.
 const BATCH_COUNTERS: usize = k::COUNT_RAYS_LOW as usize;
 
@@ -76,6 +80,9 @@ impl LaneSize {
     }
 }
 
+/// Counters of a batch, as it left them.
+type Counters = [u32; BATCH_COUNTERS];
+
 /// The working buffers of a lane and the kernels bound to them.
 pub struct Lane {
     size: LaneSize,
@@ -93,8 +100,11 @@ pub struct Lane {
     plan_queue: BoundKernel,
     plan_shadow: BoundKernel,
     trace_shadow: BoundKernel,
-    /// Nanoseconds that no dispatch lasted longer than.
-    longest_dispatch: AtomicU64,
+    /// Bounces that the next batch's light paths are expected to take, and its camera paths.
+    light_bounces: AtomicUsize,
+    camera_bounces: AtomicUsize,
+    /// Nanoseconds that no part of a list of commands lasted longer than.
+    longest_part: AtomicU64,
     /// Of each kernel so far, while that is asked for.
     times: Mutex<Option<KernelTimes>>,
     recorder: Recorder,
@@ -291,7 +301,9 @@ impl Lane {
             plan_queue: bind("plan_queue")?,
             plan_shadow: bind("plan_shadow")?,
             trace_shadow: bind("trace_shadow")?,
-            longest_dispatch: AtomicU64::new(0),
+            light_bounces: AtomicUsize::new(BOUNCES_PER_RUN),
+            camera_bounces: AtomicUsize::new(BOUNCES_PER_RUN),
+            longest_part: AtomicU64::new(0),
         })
     }
 
@@ -326,9 +338,9 @@ impl Lane {
         fits
     }
 
-    /// What no dispatch lasted longer than since this was last asked.
-    pub fn take_longest_dispatch(&self) -> Duration {
-        Duration::from_nanos(self.longest_dispatch.swap(0, Ordering::Relaxed))
+    /// What no part of a list of commands lasted longer than since this was last asked.
+    pub fn take_longest_part(&self) -> Duration {
+        Duration::from_nanos(self.longest_part.swap(0, Ordering::Relaxed))
     }
 
     /// Traces the light subpaths of `params`' batch and keeps their vertices; those that last one
@@ -337,59 +349,69 @@ impl Lane {
     pub fn trace_light_paths(&self, device: &dyn Device, params: &Params) -> Result<u32, RenderError> {
         let Some(light) = &self.light else { return Ok(0) };
         let params = &Params { n_paths: params.n_paths.min(params.n_places), ..*params };
-        self.begin(device, params, 0)?;
         let mut turn = vec![dispatch(&self.plan_queue, 1)];
         if let Some(connect_camera) = self.connect_camera.as_ref().filter(|_| params.append_transient != 0) {
             turn.push(dispatch_indirect(connect_camera, &self.args, k::ARGS_SPLAT));
             turn.extend(self.shadow_commands());
         }
-        let mut start = vec![dispatch(&light.generate, params.n_paths)];
+        let mut start = self.begin(params, 0).to_vec();
+        start.push(dispatch(&light.generate, params.n_paths));
         start.extend(turn.iter().cloned());
         let mut bounce = vec![
             dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE),
             dispatch_indirect(&light.shade, &self.args, k::ARGS_QUEUE),
         ];
         bounce.extend(turn);
-        self.run_until_empty(device, start, &bounce)?;
-        self.counter(device, k::COUNT_VERTICES)
+        let counters = self.run_until_empty(device, start, &bounce, &self.light_bounces)?;
+        Ok(counters[k::COUNT_VERTICES as usize])
     }
 
     /// Projects the first `n` appended light vertices onto the film (t = 1).
     pub fn splat_light_vertices(&self, device: &dyn Device, n: u32) -> Result<(), RenderError> {
-        let Some(connect_camera) = &self.connect_camera else { return Ok(()) };
+        self.run(device, &self.splats(device, n)?)
+    }
+
+    /// Those commands; none are left where rays are recorded.
+    fn splats(&self, device: &dyn Device, n: u32) -> Result<Vec<Command>, RenderError> {
+        let mut commands = Vec::new();
+        let Some(connect_camera) = &self.connect_camera else { return Ok(commands) };
         let mut first = 0;
         while first < n {
             let end = n.min(first + self.size.shadow_capacity());
-            let range = [first, end];
-            device.write_buffer(
-                &self.counters,
-                u64::from(k::COUNT_SPLAT_FIRST) * 4,
-                bytemuck::cast_slice(&range),
-            )?;
-            let mut commands = vec![dispatch(connect_camera, end - first)];
+            commands.push(write_words(&self.counters, k::COUNT_SPLAT_FIRST, &[first, end]));
+            commands.push(dispatch(connect_camera, end - first));
             commands.extend(self.shadow_commands());
-            self.run(device, &commands)?;
             if let Some(recording) = &mut *self.recording() {
+                device.run(&commands, false)?;
+                commands.clear();
                 let shadow = self.recorder.shadow(device)?;
                 recording.bounces.push(BounceRays { closest: Vec::new(), shadow });
             }
             first = end;
         }
-        Ok(())
+        Ok(commands)
     }
 
-    /// Traces the camera subpaths of `params`' batch, joined to the light vertices kept.
-    pub fn trace_camera_paths(&self, device: &dyn Device, params: &Params) -> Result<(), RenderError> {
-        let Some(camera) = &self.camera else { return Ok(()) };
+    /// Projects the first `n_splats` appended light vertices onto the film; then traces the camera subpaths of
+    /// `params`' batch, joined to the light vertices kept.
+    pub fn trace_camera_paths(
+        &self,
+        device: &dyn Device,
+        params: &Params,
+        n_splats: u32,
+    ) -> Result<(), RenderError> {
+        let Some(camera) = &self.camera else { return self.splat_light_vertices(device, n_splats) };
         let params = &Params { n_paths: params.n_paths.min(params.n_places), ..*params };
-        self.begin(device, params, params.n_paths)?;
-        let start = vec![dispatch(&camera.generate, params.n_paths), dispatch(&self.plan_queue, 1)];
+        let mut start = self.splats(device, n_splats)?;
+        start.extend(self.begin(params, params.n_paths));
+        start.extend([dispatch(&camera.generate, params.n_paths), dispatch(&self.plan_queue, 1)]);
         let mut bounce = vec![dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE)];
         bounce.extend(self.joins.iter().flat_map(|joins| joins.commands(&self.args)));
         bounce.push(dispatch_indirect(&camera.shade, &self.args, k::ARGS_QUEUE));
         bounce.push(dispatch(&self.plan_queue, 1)); // plans shadow rays too
         bounce.push(dispatch_indirect(&self.trace_shadow, &self.args, k::ARGS_SHADOW));
-        self.run_until_empty(device, start, &bounce)
+        self.run_until_empty(device, start, &bounce, &self.camera_bounces)?;
+        Ok(())
     }
 
     /// Calls `work`, which traces a batch on this lane, and returns every ray that was traced, bounce by
@@ -419,27 +441,30 @@ impl Lane {
     }
 
     /// Writes a batch's constants and counters; `queued` paths will be in the queue's write half.
-    fn begin(&self, device: &dyn Device, params: &Params, queued: u32) -> Result<(), RenderError> {
+    fn begin(&self, params: &Params, queued: u32) -> [Command; 2] {
         debug_assert!(params.n_paths <= self.size.n_paths && params.n_places <= self.size.n_places);
         if let Some(recording) = &mut *self.recording() {
             recording.n_paths = params.n_paths;
         }
-        device.write_buffer(&self.params, 0, bytemuck::bytes_of(params))?;
-        let mut counters = [0u32; BATCH_COUNTERS];
+        let mut counters: Counters = [0; BATCH_COUNTERS];
         counters[k::COUNT_OUT as usize] = queued;
         counters[k::COUNT_PARITY as usize] = 1;
         counters[k::COUNT_NEXT as usize] = params.n_paths;
-        device.write_buffer(&self.counters, 0, bytemuck::cast_slice(&counters))?;
-        Ok(())
+        [
+            Command::Write { to: self.params.clone(), offset: 0, data: bytemuck::bytes_of(params).into() },
+            write_words(&self.counters, 0, &counters),
+        ]
     }
 
-    /// Runs `start`, then `bounce` until no path is queued.
+    /// Runs `start`, then `bounce` until no path is queued: first as often as is `expected`, so that a GPU is
+    /// waited for once, then a few at a time.
     fn run_until_empty(
         &self,
         device: &dyn Device,
         mut commands: Vec<Command>,
         bounce: &[Command],
-    ) -> Result<(), RenderError> {
+        expected: &AtomicUsize,
+    ) -> Result<Counters, RenderError> {
         if let Some(recording) = &mut *self.recording() {
             device.run(&commands, false)?;
             // Light paths' first vertices are projected before anything is traced.
@@ -447,22 +472,29 @@ impl Lane {
             if !shadow.is_empty() {
                 recording.bounces.push(BounceRays { closest: Vec::new(), shadow });
             }
-            while self.counter(device, k::COUNT_IN)? > 0 {
+            let mut counters = self.run_and_count(device, &[])?;
+            while counters[k::COUNT_IN as usize] > 0 {
                 let closest = self.recorder.queued(device, recording.n_paths)?;
-                device.run(bounce, false)?;
+                counters = self.run_and_count(device, bounce)?;
                 recording.bounces.push(BounceRays { closest, shadow: self.recorder.shadow(device)? });
             }
-            return Ok(());
+            return Ok(counters);
         }
-        let chunk = bounces_per_run(device);
-        let repeated: Vec<Command> = bounce.iter().cycle().take(bounce.len() * chunk).cloned().collect();
-        commands.extend(repeated.iter().cloned());
+        // Asking whether any path is left is free on the CPU.
+        let (first, next) = match device.info().kind {
+            DeviceKind::Cpu => (1, 1),
+            DeviceKind::Gpu | DeviceKind::SoftwareGpu => (expected.load(Ordering::Relaxed), BOUNCES_PER_RUN),
+        };
+        let repeated = |n: usize| bounce.iter().cycle().take(bounce.len() * n).cloned();
+        commands.extend(repeated(first));
         loop {
-            self.run(device, &commands)?;
-            if self.counter(device, k::COUNT_IN)? == 0 {
-                return Ok(());
+            let counters = self.run_and_count(device, &commands)?;
+            if counters[k::COUNT_IN as usize] == 0 {
+                let taken = counters[k::COUNT_BOUNCES as usize] as usize;
+                expected.store(expected_after(first, taken), Ordering::Relaxed);
+                return Ok(counters);
             }
-            commands.clone_from(&repeated);
+            commands = repeated(next).collect();
         }
     }
 
@@ -470,14 +502,27 @@ impl Lane {
     fn run(&self, device: &dyn Device, commands: &[Command]) -> Result<(), RenderError> {
         let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
         let timing = device.run(commands, times.is_some())?;
-        if let Some(times) = &mut *times {
+        self.note(&timing, &mut times);
+        Ok(())
+    }
+
+    /// The same, and the batch's counters after them.
+    fn run_and_count(&self, device: &dyn Device, commands: &[Command]) -> Result<Counters, RenderError> {
+        let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
+        let bytes = size_of::<Counters>() as u64;
+        let (timing, read) = device.run_and_read(commands, times.is_some(), &self.counters, (0, bytes))?;
+        self.note(&timing, &mut times);
+        Ok(bytemuck::pod_read_unaligned(&read))
+    }
+
+    fn note(&self, timing: &RunTiming, times: &mut Option<KernelTimes>) {
+        if let Some(times) = times {
             for &(kernel, time) in &timing.dispatches {
                 let sum = times.entry(kernel).or_default();
                 *sum = *sum + KernelTime { total: time, longest: time };
             }
         }
-        self.longest_dispatch.fetch_max(timing.wall.as_nanos() as u64, Ordering::Relaxed);
-        Ok(())
+        self.longest_part.fetch_max(timing.longest_part.as_nanos() as u64, Ordering::Relaxed);
     }
 
     /// Starts to time each kernel, from zero.
@@ -489,20 +534,17 @@ impl Lane {
     pub fn kernel_times(&self) -> KernelTimes {
         self.times.lock().unwrap_or_else(PoisonError::into_inner).clone().unwrap_or_default()
     }
-
-    fn counter(&self, device: &dyn Device, index: u32) -> Result<u32, RenderError> {
-        let bytes = device.read_buffer(&self.counters, u64::from(index) * 4, 4)?;
-        Ok(bytemuck::pod_read_unaligned(&bytes))
-    }
 }
 
-/// How many bounces to run before asking whether any path is left: asking is free on the CPU and
-/// stalls a GPU.
-fn bounces_per_run(device: &dyn Device) -> usize {
-    match device.info().kind {
-        midway_device::DeviceKind::Cpu => 1,
-        midway_device::DeviceKind::Gpu | midway_device::DeviceKind::SoftwareGpu => 16,
-    }
+/// How many bounces to expect of the next batch, where `expected` were run at once of this one and `taken` had
+/// paths: another wait for a GPU costs more than a few bounces without any.
+fn expected_after(expected: usize, taken: usize) -> usize {
+    taken.max(expected - expected.saturating_sub(taken).div_ceil(4))
+}
+
+/// Writes words of a buffer from the one numbered `first` on.
+fn write_words(to: &Buffer, first: u32, words: &[u32]) -> Command {
+    Command::Write { to: to.clone(), offset: u64::from(first) * 4, data: bytemuck::cast_slice(words).into() }
 }
 
 /// The counters that add up, read from the device.
@@ -537,5 +579,21 @@ impl std::ops::Add for LaneTotals {
             rejected: self.rejected + other.rejected,
             overflowed: self.overflowed + other.overflowed,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::expected_after;
+
+    #[test]
+    fn as_many_bounces_are_expected_as_were_taken_and_fewer_only_slowly() {
+        assert_eq!(expected_after(16, 40), 40);
+        assert_eq!(expected_after(40, 40), 40);
+        assert_eq!(expected_after(40, 20), 35);
+        assert_eq!(expected_after(21, 20), 20);
+        assert_eq!(expected_after(16, 0), 12);
+        let settled = (0..100).fold(1000, |expected, _| expected_after(expected, 30));
+        assert_eq!(settled, 30);
     }
 }

@@ -31,8 +31,8 @@ use pipeline::{Bound, Ready};
 use staging::{STAGING_BYTES, Staging};
 use texels::Texels;
 
-/// The most commands in one submission.
-const SUBMIT_COMMANDS: usize = 1024;
+/// The most commands in one submission: the GPU works on one while the next is recorded.
+const SUBMIT_COMMANDS: usize = 128;
 
 /// Live bindings a DX12 device makes room for, at a cost in memory for each.
 const MAX_LIVE_BINDINGS: u32 = 16 << 10;
@@ -197,8 +197,7 @@ impl Device for GpuDevice {
     }
 
     fn write_buffer(&self, buffer: &Buffer, offset: u64, data: &[u8]) -> Result<(), DeviceError> {
-        self.check().range(buffer, offset, data.len() as u64)?;
-        self.check().whole_texels(buffer, offset, data.len() as u64)?;
+        self.check().write(buffer, offset, data)?;
         let mut at = offset;
         for portion in data.chunks(STAGING_BYTES as usize) {
             let submission = self.guard("write a buffer", || {
@@ -250,15 +249,34 @@ impl Device for GpuDevice {
 
     fn run(&self, commands: &[Command], timed: bool) -> Result<RunTiming, DeviceError> {
         commands.iter().try_for_each(|command| self.check().command(command))?;
+        if timed && self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return self.run_timed(commands);
+        }
         let start = Instant::now();
-        let measurable = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
-        let dispatches = if timed && measurable {
-            self.run_timed(commands)?
-        } else {
-            self.run_untimed(commands)?;
-            Vec::new()
-        };
-        Ok(RunTiming { wall: start.elapsed(), dispatches })
+        let longest_part = self.wait_for_each(&self.submit(commands)?)?;
+        Ok(RunTiming { wall: start.elapsed(), longest_part, dispatches: Vec::new() })
+    }
+
+    fn run_and_read(
+        &self,
+        commands: &[Command],
+        timed: bool,
+        buffer: &Buffer,
+        (offset, bytes): (u64, u64),
+    ) -> Result<(RunTiming, Vec<u8>), DeviceError> {
+        if timed {
+            let timing = self.run(commands, timed)?;
+            return Ok((timing, self.read_buffer(buffer, offset, bytes)?));
+        }
+        commands.iter().try_for_each(|command| self.check().command(command))?;
+        let start = Instant::now();
+        let submissions = self.submit(commands)?;
+        let earlier = &submissions[..submissions.len().saturating_sub(1)];
+        let longest = self.wait_for_each(earlier)?;
+        let last = Instant::now();
+        let read = self.read_buffer(buffer, offset, bytes)?;
+        let longest_part = longest.max(last.elapsed());
+        Ok((RunTiming { wall: start.elapsed(), longest_part, dispatches: Vec::new() }, read))
     }
 }
 

@@ -2,41 +2,68 @@
 
 use std::{
     sync::{Mutex, PoisonError},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use super::{GpuDevice, SUBMIT_COMMANDS, clock::Clock};
-use crate::{Command, DeviceError};
+use crate::{Command, DeviceError, RunTiming};
 
 impl GpuDevice {
-    /// Submits all commands, consecutive dispatches in one pass, and waits once.
-    pub(super) fn run_untimed(&self, commands: &[Command]) -> Result<(), DeviceError> {
-        let mut last = None;
-        for commands in commands.chunks(SUBMIT_COMMANDS) {
-            let submission = self.guard("run kernels", || {
+    /// Submits all commands, consecutive dispatches in one pass, in parts.
+    pub(super) fn submit(&self, commands: &[Command]) -> Result<Vec<wgpu::SubmissionIndex>, DeviceError> {
+        let mut submissions = Vec::new();
+        for part in parts(commands) {
+            if self.write_all(part)? {
+                continue;
+            }
+            submissions.push(self.guard("run kernels", || {
                 let mut encoder = self.device.create_command_encoder(&Default::default());
-                for run in commands.chunk_by(|one, next| is_dispatch(one) && is_dispatch(next)) {
+                for run in part.chunk_by(|one, next| is_dispatch(one) && is_dispatch(next)) {
                     self.record(&mut encoder, run, None)?;
                 }
                 Ok(self.queue.submit([encoder.finish()]))
-            })??;
-            last = Some(submission);
+            })??);
         }
         self.save_cache();
-        last.map_or(Ok(()), |submission| self.wait(submission))
+        Ok(submissions)
     }
 
-    /// Submits the commands, each dispatch in a pass of its own between two timestamps.
-    pub(super) fn run_timed(
+    /// Waits for submissions in turn; the longest time that one of them took.
+    pub(super) fn wait_for_each(
         &self,
-        commands: &[Command],
-    ) -> Result<Vec<(&'static str, Duration)>, DeviceError> {
+        submissions: &[wgpu::SubmissionIndex],
+    ) -> Result<Duration, DeviceError> {
+        let mut longest = Duration::ZERO;
+        for submission in submissions {
+            let start = Instant::now();
+            self.wait(submission.clone())?;
+            longest = longest.max(start.elapsed());
+        }
+        Ok(longest)
+    }
+
+    /// Hands the bytes of a part that is writes to the queue, before whatever is submitted next; whether it
+    /// is one.
+    fn write_all(&self, part: &[Command]) -> Result<bool, DeviceError> {
+        for command in part {
+            let Command::Write { to, offset, data } = command else { return Ok(false) };
+            self.guard("write a buffer", || self.enqueue(to, *offset, data))??;
+        }
+        Ok(true)
+    }
+
+    /// Submits the commands, each dispatch in a pass of its own between two timestamps, and waits for each part.
+    pub(super) fn run_timed(&self, commands: &[Command]) -> Result<RunTiming, DeviceError> {
+        let start = Instant::now();
         let clock = self.guard("measure time", || {
             self.clock.get_or_init(|| Mutex::new(Clock::new(&self.device, &self.queue)))
         })?;
         let clock = clock.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut dispatches = Vec::new();
-        for commands in commands.chunks(SUBMIT_COMMANDS) {
+        let (mut dispatches, mut longest_part) = (Vec::new(), Duration::ZERO);
+        for commands in parts(commands) {
+            if self.write_all(commands)? {
+                continue;
+            }
             let names: Vec<&'static str> = commands.iter().filter_map(kernel_name).collect();
             let (submission, times) = self.guard("run kernels", || {
                 let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -52,14 +79,14 @@ impl GpuDevice {
                 Ok((self.queue.submit([encoder.finish()]), times))
             })??;
             self.save_cache();
-            self.wait(submission)?;
+            longest_part = longest_part.max(self.wait_for_each(&[submission])?);
             if let Some(times) = times {
                 let mut ticks = Vec::new();
                 self.read(times, (0, names.len() as u64 * 16), &mut ticks)?;
                 dispatches.extend(names.into_iter().zip(clock.durations(&ticks)));
             }
         }
-        Ok(dispatches)
+        Ok(RunTiming { wall: start.elapsed(), longest_part, dispatches })
     }
 
     /// Writes the pipeline cache, if it is due, while the device is at work.
@@ -109,16 +136,24 @@ impl GpuDevice {
                 pass.dispatch_workgroups_indirect(self.buffer(args)?, *offset);
             }
             Command::Dispatch { groups: [x, y, z], .. } => pass.dispatch_workgroups(*x, *y, *z),
-            Command::Clear(_) | Command::Copy { .. } => {}
+            Command::Clear(_) | Command::Copy { .. } | Command::Write { .. } => {}
         }
         Ok(())
     }
 }
 
+/// Commands that are submitted together; writes apart from the rest, as they are no part of a submission.
+fn parts(commands: &[Command]) -> impl Iterator<Item = &[Command]> {
+    let is_write = |command: &Command| matches!(command, Command::Write { .. });
+    commands
+        .chunk_by(move |one, next| is_write(one) == is_write(next))
+        .flat_map(|alike| alike.chunks(SUBMIT_COMMANDS))
+}
+
 fn kernel_name(command: &Command) -> Option<&'static str> {
     match command {
         Command::Dispatch { bound, .. } | Command::DispatchIndirect { bound, .. } => Some(bound.kernel.name),
-        Command::Clear(_) | Command::Copy { .. } => None,
+        Command::Clear(_) | Command::Copy { .. } | Command::Write { .. } => None,
     }
 }
 

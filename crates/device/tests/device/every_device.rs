@@ -30,6 +30,7 @@ on_every_device! {
     buffers_too_large_are_refused
     buffers_of_no_words_are_refused
     clears_and_copies_move_words
+    writes_keep_their_place_in_a_list
     a_copy_within_a_buffer_is_refused
     a_grid_of_three_dimensions_covers_each_index_once
     an_empty_grid_runs_nothing
@@ -96,6 +97,39 @@ fn clears_and_copies_move_words(device: &dyn Device) {
     device.run(&[copy, Command::Clear(from.clone())], false).expect("runs");
     assert_eq!(words(device, &to), [9, 9, 2, 3, 4]);
     assert_eq!(words(device, &from), [0; 5]);
+}
+
+/// More of them than a GPU takes in one submission, each read by the copy after it and by none before.
+fn writes_keep_their_place_in_a_list(device: &dyn Device) {
+    const N: u32 = 300;
+    let from = zeros(device, "from", 2);
+    let to = zeros(device, "to", u64::from(N));
+    let write = |word: u32| Command::Write {
+        to: from.clone(),
+        offset: 4,
+        data: word.to_ne_bytes().as_slice().into(),
+    };
+    let copy = |at: u32| Command::Copy {
+        from: from.clone(),
+        from_offset: 4,
+        to: to.clone(),
+        to_offset: u64::from(at) * 4,
+        bytes: 4,
+    };
+    let written = (0..N / 3).flat_map(|i| [write(i), copy(i)]);
+    let unchanged = (N / 3..N).map(copy);
+    let commands: Vec<Command> = written.chain(unchanged).chain([write(7)]).collect();
+    let expected: Vec<u32> = (0..N).map(|i| i.min(N / 3 - 1)).collect();
+    for timed in [false, true] {
+        let bytes = u64::from(N) * 4;
+        let (timing, read) = device.run_and_read(&commands, timed, &to, (0, bytes)).expect("runs");
+        assert_eq!(bytemuck::pod_collect_to_vec::<_, u32>(&read), expected);
+        assert!(timing.longest_part <= timing.wall, "{timing:?}");
+        assert_eq!(words(device, &from), [0, 7]);
+    }
+    let outside = Command::Write { to: from, offset: 4, data: [0; 8].into() };
+    let error = device.run(&[outside], false).expect_err("outside");
+    assert!(matches!(error, DeviceError::Range { offset: 4, bytes: 8, size: 8, .. }), "{error}");
 }
 
 fn a_copy_within_a_buffer_is_refused(device: &dyn Device) {

@@ -24,14 +24,16 @@ const COUNT_STARTED: u32 = 9u;
 const COUNT_FRONT: u32 = 10u;
 /// Joins listed in this bounce.
 const COUNT_JOINS: u32 = 11u;
+/// Bounces that had a path in the queue.
+const COUNT_BOUNCES: u32 = 12u;
 /// Rays traced in all: two words.
-const COUNT_RAYS_LOW: u32 = 12u;
-const COUNT_RAYS_HIGH: u32 = 13u;
+const COUNT_RAYS_LOW: u32 = 13u;
+const COUNT_RAYS_HIGH: u32 = 14u;
 /// Contributions that were NaN, infinite or negative, and film sums that overflowed.
-const COUNT_REJECTED: u32 = 14u;
-const COUNT_OVERFLOW: u32 = 15u;
+const COUNT_REJECTED: u32 = 15u;
+const COUNT_OVERFLOW: u32 = 16u;
 /// How many counters there are.
-const N_COUNTERS: u32 = 16u;
+const N_COUNTERS: u32 = 17u;
 
 fn queue_length() -> u32 {
     return atomicLoad(&counters[COUNT_IN]);

@@ -43,22 +43,18 @@ impl Renderer {
         params: Params,
     ) -> Result<(), RenderError> {
         let mut params = self.own_vertex_params(lane, params);
+        let mut n_splats = 0;
         if self.pool.is_none() && self.settings.integrator.uses_light_paths() {
             let n_vertices = lane.trace_light_paths(device, &params)?;
             if params.append_transient == 0 {
                 if n_vertices > params.append_capacity {
                     return self.render_halves(device, lane, params);
                 }
-                if self.settings.integrator.uses_splat() {
-                    lane.splat_light_vertices(device, n_vertices)?;
-                }
+                n_splats = n_vertices;
             }
         }
-        if self.settings.integrator.uses_camera_paths() {
-            params.append_transient = 0;
-            lane.trace_camera_paths(device, &params)?;
-        }
-        Ok(())
+        params.append_transient = 0;
+        lane.trace_camera_paths(device, &params, n_splats)
     }
 
     fn render_halves(&self, device: &dyn Device, lane: &Lane, params: Params) -> Result<(), RenderError> {
@@ -191,7 +187,7 @@ impl Renderer {
         if self.device.info().kind != DeviceKind::Gpu {
             return;
         }
-        let longest = lane.take_longest_dispatch();
+        let longest = lane.take_longest_part();
         // What did not fill its slots says nothing of those that do.
         if n_places < n {
             return;
