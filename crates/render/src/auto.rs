@@ -31,8 +31,9 @@ const SAMPLES: u64 = 32;
 const SEEDS: [u32; 2] = [0x5eed_a070, 0x5eed_a071];
 /// Pixels along the side of a block in which light is missed or found.
 const BLOCK: usize = 8;
-/// So much worse than path that no variant of full is better than path.
-const FAR_BEHIND: f64 = 1.25;
+/// So much worse than path that no variant of full is better than path by what trying them takes: by equal
+/// time k-step 1 had 0.94 of the relMSE of full where it won by most.
+const FAR_BEHIND: f64 = 1.15;
 /// Keeps relative errors finite where the image is dark, as in relMSE.
 const EPSILON: f64 = 0.01;
 /// How long a ray of `bdpt` takes, for what is computed at its ends, against a ray of `path`. On a GPU (H100) 1.24
