@@ -41,7 +41,8 @@ pub struct DeviceInfo {
 pub struct RunTiming {
     /// From submission to the end, as this process saw it.
     pub wall: Duration,
-    /// The longest of the parts that it was submitted in; all of it where the device makes no parts.
+    /// The longest of the parts that it was submitted in, or more: a device may work on one while the next is
+    /// recorded. All of it where there are no parts.
     pub longest_part: Duration,
     /// `(kernel name, time on the device)` in order of the dispatches; empty if not measured.
     pub dispatches: Vec<(&'static str, Duration)>,
@@ -145,7 +146,7 @@ pub trait Device: Send + Sync {
     ///
     /// Dispatches are not split: on a GPU that also draws a desktop one that lasts longer than the
     /// driver's watchdog allows loses the device. Callers size them by
-    /// [`RunTiming::longest_dispatch`].
+    /// [`RunTiming::longest_part`], or by [`RunTiming::longest_dispatch`].
     ///
     /// All commands are checked before the first one runs, except the grids of indirect
     /// dispatches: kernels that write these keep each axis at or below 65535. The CPU device reports
@@ -167,9 +168,20 @@ pub trait Device: Send + Sync {
         buffer: &Buffer,
         (offset, bytes): (u64, u64),
     ) -> Result<(RunTiming, Vec<u8>), DeviceError> {
-        let timing = self.run(commands, timed)?;
-        Ok((timing, self.read_buffer(buffer, offset, bytes)?))
+        run_then_read(self, commands, timed, buffer, (offset, bytes))
     }
+}
+
+/// A run and a read, one after the other.
+pub(crate) fn run_then_read(
+    device: &(impl Device + ?Sized),
+    commands: &[Command],
+    timed: bool,
+    buffer: &Buffer,
+    (offset, bytes): (u64, u64),
+) -> Result<(RunTiming, Vec<u8>), DeviceError> {
+    let timing = device.run(commands, timed)?;
+    Ok((timing, device.read_buffer(buffer, offset, bytes)?))
 }
 
 /// A new buffer that holds a copy of `words`, at least one.

@@ -160,7 +160,7 @@ pub enum Command {
         /// How many bytes.
         bytes: u64,
     },
-    /// Put the host's bytes into a buffer, as [`Device::write_buffer`](crate::Device::write_buffer).
+    /// Put a few of the host's bytes into a buffer, as [`Device::write_buffer`](crate::Device::write_buffer).
     Write {
         /// Destination.
         to: Buffer,

@@ -440,7 +440,7 @@ impl Lane {
         [dispatch(&self.plan_shadow, 1), dispatch_indirect(&self.trace_shadow, &self.args, k::ARGS_SHADOW)]
     }
 
-    /// Writes a batch's constants and counters; `queued` paths will be in the queue's write half.
+    /// The commands that write a batch's constants and counters; `queued` paths will be in the queue's write half.
     fn begin(&self, params: &Params, queued: u32) -> [Command; 2] {
         debug_assert!(params.n_paths <= self.size.n_paths && params.n_places <= self.size.n_places);
         if let Some(recording) = &mut *self.recording() {
@@ -457,7 +457,7 @@ impl Lane {
     }
 
     /// Runs `start`, then `bounce` until no path is queued: first as often as is `expected`, so that a GPU is
-    /// waited for once, then a few at a time.
+    /// waited for once as a rule, then a few at a time.
     fn run_until_empty(
         &self,
         device: &dyn Device,

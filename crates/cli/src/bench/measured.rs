@@ -220,7 +220,7 @@ impl Measured {
     /// A row for people.
     pub fn line(&self, what: &str) -> String {
         format!(
-            "{what:<34} {:>8.0} samples {:>7.2} s {:>8.1} Mrays/s  RMSE {:.4}  relMSE {:.3e}  trimmed {:.3e}",
+            "{what:<34} {:>8.0} samples {:>7.2} s {:>8.1} Mrays/s  RMSE {:.3e}  relMSE {:.3e}  trimmed {:.3e}",
             self.samples,
             self.seconds,
             self.mrays_per_second(),

@@ -21,6 +21,7 @@ use wgsl_cpu::Kernel;
 use crate::{
     BoundKernel, Buffer, BufferUsage, Command, Device, DeviceError, DeviceInfo, Pipeline, RunTiming,
     check::{self, Check},
+    device::run_then_read,
     resource::DeviceId,
 };
 use adapter::Found;
@@ -28,6 +29,7 @@ use cache::PipelineCache;
 use clock::Clock;
 use fault::{Fault, Faults};
 use pipeline::{Bound, Ready};
+use run::Stopwatch;
 use staging::{STAGING_BYTES, Staging};
 use texels::Texels;
 
@@ -253,8 +255,12 @@ impl Device for GpuDevice {
             return self.run_timed(commands);
         }
         let start = Instant::now();
-        let longest_part = self.wait_for_each(&self.submit(commands)?)?;
-        Ok(RunTiming { wall: start.elapsed(), longest_part, dispatches: Vec::new() })
+        let mut stopwatch = Stopwatch::default();
+        for part in self.submit(commands)? {
+            self.wait(part.submission)?;
+            stopwatch.ended(part.submitted);
+        }
+        Ok(RunTiming { wall: start.elapsed(), longest_part: stopwatch.longest, dispatches: Vec::new() })
     }
 
     fn run_and_read(
@@ -265,17 +271,23 @@ impl Device for GpuDevice {
         (offset, bytes): (u64, u64),
     ) -> Result<(RunTiming, Vec<u8>), DeviceError> {
         if timed {
-            let timing = self.run(commands, timed)?;
-            return Ok((timing, self.read_buffer(buffer, offset, bytes)?));
+            return run_then_read(self, commands, timed, buffer, (offset, bytes));
         }
         commands.iter().try_for_each(|command| self.check().command(command))?;
         let start = Instant::now();
-        let submissions = self.submit(commands)?;
-        let earlier = &submissions[..submissions.len().saturating_sub(1)];
-        let longest = self.wait_for_each(earlier)?;
-        let last = Instant::now();
+        let mut stopwatch = Stopwatch::default();
+        let mut parts = self.submit(commands)?;
+        let last = parts.pop();
+        for part in parts {
+            self.wait(part.submission)?;
+            stopwatch.ended(part.submitted);
+        }
+        // Waits for the last part too.
         let read = self.read_buffer(buffer, offset, bytes)?;
-        let longest_part = longest.max(last.elapsed());
+        if let Some(last) = last {
+            stopwatch.ended(last.submitted);
+        }
+        let longest_part = stopwatch.longest;
         Ok((RunTiming { wall: start.elapsed(), longest_part, dispatches: Vec::new() }, read))
     }
 }
@@ -295,8 +307,11 @@ mod tests {
         let gpu = GpuDevice::open(found, Some(folder.path())).expect("a listed device opens");
         let buffer = gpu.create_buffer("data", 64, BufferUsage::Storage).expect("created");
         gpu.device.destroy();
-        for _ in 0..2 {
-            let error = gpu.run(&[Command::Clear(buffer.clone())], true).expect_err("lost");
+        for timed in [true, true, false] {
+            let error = gpu.run(&[Command::Clear(buffer.clone())], timed).expect_err("lost");
+            assert!(matches!(error, DeviceError::Lost { .. }), "{error}");
+            let write = Command::Write { to: buffer.clone(), offset: 0, data: [1; 4].into() };
+            let error = gpu.run_and_read(&[write], timed, &buffer, (0, 4)).expect_err("lost");
             assert!(matches!(error, DeviceError::Lost { .. }), "{error}");
         }
         let error = gpu.read_buffer(&buffer, 0, 4).expect_err("lost");

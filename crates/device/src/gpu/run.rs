@@ -8,38 +8,48 @@ use std::{
 use super::{GpuDevice, SUBMIT_COMMANDS, clock::Clock};
 use crate::{Command, DeviceError, RunTiming};
 
+/// Commands that were submitted together.
+pub(super) struct Part {
+    pub(super) submission: wgpu::SubmissionIndex,
+    pub(super) submitted: Instant,
+}
+
+/// How long parts take of which one runs after another.
+#[derive(Default)]
+pub(super) struct Stopwatch {
+    pub(super) longest: Duration,
+    end: Option<Instant>,
+}
+
+impl Stopwatch {
+    /// The part that was next has ended: it began when it was submitted, or when the one before it ended.
+    pub(super) fn ended(&mut self, submitted: Instant) {
+        let now = Instant::now();
+        let start = self.end.map_or(submitted, |end| end.max(submitted));
+        self.longest = self.longest.max(now - start);
+        self.end = Some(now);
+    }
+}
+
 impl GpuDevice {
     /// Submits all commands, consecutive dispatches in one pass, in parts.
-    pub(super) fn submit(&self, commands: &[Command]) -> Result<Vec<wgpu::SubmissionIndex>, DeviceError> {
-        let mut submissions = Vec::new();
+    pub(super) fn submit(&self, commands: &[Command]) -> Result<Vec<Part>, DeviceError> {
+        let mut submitted = Vec::new();
         for part in parts(commands) {
             if self.write_all(part)? {
                 continue;
             }
-            submissions.push(self.guard("run kernels", || {
+            let submission = self.guard("run kernels", || {
                 let mut encoder = self.device.create_command_encoder(&Default::default());
                 for run in part.chunk_by(|one, next| is_dispatch(one) && is_dispatch(next)) {
                     self.record(&mut encoder, run, None)?;
                 }
                 Ok(self.queue.submit([encoder.finish()]))
-            })??);
+            })??;
+            submitted.push(Part { submission, submitted: Instant::now() });
         }
         self.save_cache();
-        Ok(submissions)
-    }
-
-    /// Waits for submissions in turn; the longest time that one of them took.
-    pub(super) fn wait_for_each(
-        &self,
-        submissions: &[wgpu::SubmissionIndex],
-    ) -> Result<Duration, DeviceError> {
-        let mut longest = Duration::ZERO;
-        for submission in submissions {
-            let start = Instant::now();
-            self.wait(submission.clone())?;
-            longest = longest.max(start.elapsed());
-        }
-        Ok(longest)
+        Ok(submitted)
     }
 
     /// Hands the bytes of a part that is writes to the queue, before whatever is submitted next; whether it
@@ -59,7 +69,7 @@ impl GpuDevice {
             self.clock.get_or_init(|| Mutex::new(Clock::new(&self.device, &self.queue)))
         })?;
         let clock = clock.lock().unwrap_or_else(PoisonError::into_inner);
-        let (mut dispatches, mut longest_part) = (Vec::new(), Duration::ZERO);
+        let (mut dispatches, mut stopwatch) = (Vec::new(), Stopwatch::default());
         for commands in parts(commands) {
             if self.write_all(commands)? {
                 continue;
@@ -78,15 +88,17 @@ impl GpuDevice {
                 let times = (n_dispatches > 0).then(|| clock.resolve(&mut encoder, n_dispatches));
                 Ok((self.queue.submit([encoder.finish()]), times))
             })??;
+            let submitted = Instant::now();
             self.save_cache();
-            longest_part = longest_part.max(self.wait_for_each(&[submission])?);
+            self.wait(submission)?;
+            stopwatch.ended(submitted);
             if let Some(times) = times {
                 let mut ticks = Vec::new();
                 self.read(times, (0, names.len() as u64 * 16), &mut ticks)?;
                 dispatches.extend(names.into_iter().zip(clock.durations(&ticks)));
             }
         }
-        Ok(RunTiming { wall: start.elapsed(), longest_part, dispatches })
+        Ok(RunTiming { wall: start.elapsed(), longest_part: stopwatch.longest, dispatches })
     }
 
     /// Writes the pipeline cache, if it is due, while the device is at work.

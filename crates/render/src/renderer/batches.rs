@@ -14,10 +14,10 @@ use midway_kernels::layout::Params;
 use super::Renderer;
 use crate::{Join, RenderError, batch::Lane, sizes::reserved_slots};
 
-/// A GPU's list of commands aims to last at least this long, so that little time goes to waiting…
+/// A part of a GPU's list of commands, as it is submitted, aims to last at least this long, so that little time
+/// goes to submitting…
 const RUN_TARGET: Duration = Duration::from_millis(40);
-/// … and at most this long: of the many dispatches of a list of bounces none then lasts 50 ms, and a
-/// desktop's watchdog never fires.
+/// … and at most this long: of its many dispatches none then lasts 50 ms, and a desktop's watchdog never fires.
 const RUN_LIMIT: Duration = Duration::from_millis(100);
 /// Places for each path in flight of batches that are to be over soon: before it is known how long they
 /// take, and where somebody looks on.
@@ -180,8 +180,8 @@ impl Renderer {
         most.min(few.max(grown as u32)).max(1)
     }
 
-    /// Enlarges or halves a GPU's batch of `n` paths in flight and `n_places` by how long its lists of commands
-    /// took; any batch gives the same samples.
+    /// Enlarges or halves a GPU's batch of `n` paths in flight and `n_places` by how long the parts of its
+    /// lists of commands took; any batch gives the same samples.
     fn adapt_batch(&self, n: u32, n_places: u32, lane: &Lane) {
         // A software GPU has no watchdog, and its lists take their time whatever they hold.
         if self.device.info().kind != DeviceKind::Gpu {
@@ -194,7 +194,7 @@ impl Renderer {
         }
         let adapted = match longest {
             _ if longest > RUN_LIMIT => (n / 2).max(1),
-            // A list with more paths takes longer by no more than their ratio.
+            // A part with more paths takes longer by no more than their ratio.
             _ if longest < RUN_TARGET / 8 => n * 4,
             _ if longest < RUN_TARGET => n * 2,
             _ => n,
