@@ -105,7 +105,8 @@ fn add_kernel(out: &Path, file: &Path, linked: &Linked, tables: &mut Tables) -> 
     let _ = writeln!(
         tables.kernels,
         "    Kernel {{ name: \"{name}\", wgsl: include_str!(concat!(env!(\"OUT_DIR\"), \"/{name}.wgsl\")), \
-         bindings: {name}::BINDINGS, workgroup_size: {name}::WORKGROUP_SIZE, native: {name}::entry }},"
+         bindings: {name}::BINDINGS, workgroup_size: {name}::WORKGROUP_SIZE, \
+         workgroup_override: {name}::WORKGROUP_OVERRIDE, native: {name}::entry }},"
     );
     collect(translation, tables)
 }

@@ -34,6 +34,8 @@ pub struct DeviceInfo {
     pub max_binding_bytes: u64,
     /// Storage buffers a kernel may bind.
     pub max_storage_buffers: u32,
+    /// Invocations of a workgroup for kernels that hold and read much.
+    pub wide_workgroup: u32,
 }
 
 /// How long a run took, and each of its dispatches where the device can tell.
@@ -107,7 +109,7 @@ pub trait Device: Send + Sync {
 
     /// The same with values for some of its WGSL `override`s, by name: constants to a GPU's compiler,
     /// which leaves out what they make unreachable. The CPU has each kernel compiled once, with the
-    /// defaults: a value may only exclude what is never asked for.
+    /// defaults: a value may only exclude what is never asked for, or be a workgroup's size.
     ///
     /// # Errors
     /// If the kernel exceeds the device's limits or its driver refuses it; on a GPU also if it has no

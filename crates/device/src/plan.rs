@@ -143,6 +143,7 @@ mod tests {
             max_buffer_bytes: binding,
             max_binding_bytes: binding,
             max_storage_buffers: 8,
+            wide_workgroup: 64,
         }
     }
 

@@ -82,6 +82,7 @@ impl fmt::Debug for Buffer {
 #[derive(Clone)]
 pub struct Pipeline {
     pub(crate) kernel: &'static Kernel,
+    pub(crate) workgroup_size: u32,
     pub(crate) device: DeviceId,
     pub(crate) inner: Inner,
 }
@@ -103,6 +104,7 @@ impl fmt::Debug for Pipeline {
 #[derive(Clone)]
 pub struct BoundKernel {
     pub(crate) kernel: &'static Kernel,
+    pub(crate) workgroup_size: u32,
     pub(crate) buffers: Arc<[Buffer]>,
     pub(crate) device: DeviceId,
     pub(crate) inner: Inner,
@@ -112,6 +114,11 @@ impl BoundKernel {
     /// The kernel's record.
     pub fn kernel(&self) -> &'static Kernel {
         self.kernel
+    }
+
+    /// Invocations of a workgroup, as it was loaded.
+    pub fn workgroup_size(&self) -> u32 {
+        self.workgroup_size
     }
 
     /// The buffers, in the order of [`Kernel::bindings`].

@@ -3,6 +3,7 @@
 // joins. Writes: shadow_rays.
 
 #include "bindings/params.wgsl"
+#include "bindings/workgroups.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/shaded.wgsl"
 #include "bindings/paths.wgsl"
@@ -15,7 +16,7 @@
 #include "bindings/join_list.wgsl"
 #include "bindings/join.wgsl"
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(SHADE_WORKGROUP)
 fn connect(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let n_joins = atomicLoad(&counters[COUNT_JOINS]);
     let first = invocation_index(invocation) * joins_per_invocation();

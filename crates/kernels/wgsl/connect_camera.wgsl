@@ -4,6 +4,7 @@
 // Writes: shadow_rays. Each vertex makes one ray at most.
 
 #include "bindings/params.wgsl"
+#include "bindings/workgroups.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/shaded.wgsl"
 #include "bindings/queues.wgsl"
@@ -12,7 +13,7 @@
 #include "bindings/stored_vertex.wgsl"
 #include "bindings/splat.wgsl"
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(SHADE_WORKGROUP)
 fn connect_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let index = atomicLoad(&counters[COUNT_SPLAT_FIRST]) + invocation_index(invocation);
     if (index >= atomicLoad(&counters[COUNT_SPLAT_END])) {

@@ -3,6 +3,7 @@
 // One invocation: one queued path. Reads: scene, paths, light_vertices, light_paths. Writes: shadow_rays.
 
 #include "bindings/params.wgsl"
+#include "bindings/workgroups.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/shaded.wgsl"
 #include "bindings/environment.wgsl"
@@ -17,7 +18,7 @@
 #include "bindings/join_choice.wgsl"
 #include "bindings/join.wgsl"
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(SHADE_WORKGROUP)
 fn connect_ends(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let place = invocation_index(invocation);
     if (place >= queue_length()) {

@@ -20,7 +20,8 @@ fn plan_queue(@builtin(global_invocation_id) invocation: vec3<u32>) {
     atomicStore(&counters[COUNT_STARTED], 0u);
     atomicStore(&counters[COUNT_JOINS], 0u);
     atomicStore(&counters[COUNT_PARITY], 1u - atomicLoad(&counters[COUNT_PARITY]));
-    write_grid(ARGS_QUEUE, length);
+    write_grid(ARGS_QUEUE, length, WORKGROUP);
+    write_grid(ARGS_SHADE, length, SHADE_WORKGROUP);
     if (length > 0u) {
         atomicAdd(&counters[COUNT_BOUNCES], 1u);
     }
@@ -31,6 +32,6 @@ fn plan_queue(@builtin(global_invocation_id) invocation: vec3<u32>) {
         atomicStore(&counters[COUNT_SPLAT_FIRST], 0u);
         atomicStore(&counters[COUNT_SPLAT_END], n_vertices);
         atomicStore(&counters[COUNT_VERTICES], 0u);
-        write_grid(ARGS_SPLAT, n_vertices);
+        write_grid(ARGS_SPLAT, n_vertices, SHADE_WORKGROUP);
     }
 }

@@ -5,6 +5,7 @@
 // with, unchanged, and in the slots of those that ended the next of the batch.
 
 #include "bindings/params.wgsl"
+#include "bindings/workgroups.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/shaded.wgsl"
 #include "bindings/environment.wgsl"
@@ -19,7 +20,7 @@
 #include "bindings/start_camera.wgsl"
 #include "bindings/camera_step.wgsl"
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(SHADE_WORKGROUP)
 fn shade_camera(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let place = invocation_index(invocation);
     if (place >= queue_length()) {

@@ -4,6 +4,7 @@
 // slots of those that ended the next of the batch.
 
 #include "bindings/params.wgsl"
+#include "bindings/workgroups.wgsl"
 #include "bindings/scene.wgsl"
 #include "bindings/shaded.wgsl"
 #include "bindings/paths.wgsl"
@@ -14,7 +15,7 @@
 #include "bindings/light_tree.wgsl"
 #include "bindings/light_step.wgsl"
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(SHADE_WORKGROUP)
 fn shade_light(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let place = invocation_index(invocation);
     if (place >= queue_length()) {

@@ -175,7 +175,7 @@ impl JoinKernels {
                 dispatch(plan, 1),
                 dispatch_indirect(connect, args, k::ARGS_JOINS),
             ],
-            Self::Ends(connect) => vec![dispatch_indirect(connect, args, k::ARGS_QUEUE)],
+            Self::Ends(connect) => vec![dispatch_indirect(connect, args, k::ARGS_SHADE)],
         }
     }
 }
@@ -359,7 +359,7 @@ impl Lane {
         start.extend(turn.iter().cloned());
         let mut bounce = vec![
             dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE),
-            dispatch_indirect(&light.shade, &self.args, k::ARGS_QUEUE),
+            dispatch_indirect(&light.shade, &self.args, k::ARGS_SHADE),
         ];
         bounce.extend(turn);
         let counters = self.run_until_empty(device, start, &bounce, &self.light_bounces)?;
@@ -407,7 +407,7 @@ impl Lane {
         start.extend([dispatch(&camera.generate, params.n_paths), dispatch(&self.plan_queue, 1)]);
         let mut bounce = vec![dispatch_indirect(&self.trace_closest, &self.args, k::ARGS_QUEUE)];
         bounce.extend(self.joins.iter().flat_map(|joins| joins.commands(&self.args)));
-        bounce.push(dispatch_indirect(&camera.shade, &self.args, k::ARGS_QUEUE));
+        bounce.push(dispatch_indirect(&camera.shade, &self.args, k::ARGS_SHADE));
         bounce.push(dispatch(&self.plan_queue, 1)); // plans shadow rays too
         bounce.push(dispatch_indirect(&self.trace_shadow, &self.args, k::ARGS_SHADOW));
         self.run_until_empty(device, start, &bounce, &self.camera_bounces)?;

@@ -41,10 +41,11 @@ impl Pipelines {
     /// A kernel, compiled.
     pub fn load(self, device: &dyn Device, name: &str) -> Result<Pipeline, DeviceError> {
         let kernel = kernel(name);
-        let features = [("FEATURES", f64::from(self.features))];
-        // Kernels that know nothing of scenes have no such override.
-        let overrides = if kernel.wgsl.contains("override FEATURES") { &features[..] } else { &[] };
-        device.load_specialised(kernel, overrides)
+        let mut overrides =
+            vec![("FEATURES", self.features), ("SHADE_WORKGROUP", device.info().wide_workgroup)];
+        overrides.retain(|(name, _)| kernel.wgsl.contains(&format!("override {name}:")));
+        let overrides: Vec<_> = overrides.into_iter().map(|(name, value)| (name, f64::from(value))).collect();
+        device.load_specialised(kernel, &overrides)
     }
 }
 
@@ -76,15 +77,11 @@ impl BufferSet {
     }
 }
 
-/// Invocations of a workgroup, in every kernel.
-const WORKGROUP: u32 = midway_kernels::constants::WORKGROUP;
-/// Workgroups in a row of a two-dimensional grid, as the kernels count them.
-const ROW: u32 = midway_kernels::constants::GRID_ROW / WORKGROUP;
-
-/// A dispatch over `n` invocations.
+/// A dispatch over `n` invocations, in rows as the kernels count them.
 pub fn dispatch(bound: &BoundKernel, n: u32) -> Command {
-    let groups = n.div_ceil(WORKGROUP).max(1);
-    Command::Dispatch { bound: bound.clone(), groups: [groups.min(ROW), groups.div_ceil(ROW), 1] }
+    let groups = n.div_ceil(bound.workgroup_size()).max(1);
+    let row = midway_kernels::constants::GRID_ROW / bound.workgroup_size();
+    Command::Dispatch { bound: bound.clone(), groups: [groups.min(row), groups.div_ceil(row), 1] }
 }
 
 /// A dispatch whose grid plan kernels wrote at `word` of `args`.

@@ -28,6 +28,15 @@ fn bindings_are_those_used_by_slot() {
     );
     let entry = translation.entry.expect("an entry point");
     assert_eq!((entry.name.as_str(), entry.workgroup_size), ("kernel", 64));
+    assert_eq!(entry.workgroup_override, None);
+}
+
+#[test]
+fn a_workgroup_may_be_sized_by_an_override() {
+    let translation =
+        translate("override WIDE: u32 = 32u;\n@compute @workgroup_size(WIDE)\nfn main() {}").expect("valid");
+    let entry = translation.entry.expect("an entry point");
+    assert_eq!((entry.workgroup_size, entry.workgroup_override.as_deref()), (32, Some("WIDE")));
 }
 
 #[test]

@@ -77,6 +77,14 @@ fn entry_points() {
         "a workgroup of more than one dimension",
     );
     unsupported(
+        "override ROWS: u32 = 8u;\n@compute @workgroup_size(8, ROWS)\nfn main() {} // here",
+        "a workgroup of more than one dimension",
+    );
+    unsupported(
+        "override SIZE: u32 = 8u;\n@compute @workgroup_size(2u * SIZE)\nfn main() {} // here",
+        "this size of a workgroup",
+    );
+    unsupported(
         "@compute @workgroup_size(8)\nfn main() {}\n@compute @workgroup_size(8)\nfn other() {} // here",
         "a second entry point",
     );

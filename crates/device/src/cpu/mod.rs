@@ -86,6 +86,7 @@ impl CpuDevice {
             max_buffer_bytes: max_bytes,
             max_binding_bytes: max_bytes,
             max_storage_buffers: u32::MAX,
+            wide_workgroup: 64,
         }
     }
 
@@ -241,13 +242,14 @@ impl Device for CpuDevice {
         _overrides: &[(&'static str, f64)],
     ) -> Result<Pipeline, DeviceError> {
         self.check().kernel(kernel)?;
-        Ok(Pipeline { kernel, device: self.id, inner: nothing() })
+        Ok(Pipeline { kernel, workgroup_size: kernel.workgroup_size, device: self.id, inner: nothing() })
     }
 
     fn bind(&self, pipeline: &Pipeline, buffers: &[&Buffer]) -> Result<BoundKernel, DeviceError> {
         self.check().bindings(pipeline, buffers)?;
         let buffers = buffers.iter().map(|&buffer| buffer.clone()).collect();
-        Ok(BoundKernel { kernel: pipeline.kernel, buffers, device: self.id, inner: nothing() })
+        let Pipeline { kernel, workgroup_size, .. } = *pipeline;
+        Ok(BoundKernel { kernel, workgroup_size, buffers, device: self.id, inner: nothing() })
     }
 
     fn lanes(&self) -> usize {

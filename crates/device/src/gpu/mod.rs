@@ -237,7 +237,8 @@ impl Device for GpuDevice {
         }
         // Compiled without the lock: several threads may load kernels at once.
         let ready = Ready::new(self, kernel, overrides)?;
-        let pipeline = Pipeline { kernel, device: self.id, inner: Arc::new(ready) };
+        let workgroup_size = ready.workgroup_size;
+        let pipeline = Pipeline { kernel, workgroup_size, device: self.id, inner: Arc::new(ready) };
         loaded().insert(key, pipeline.clone());
         Ok(pipeline)
     }
@@ -246,7 +247,8 @@ impl Device for GpuDevice {
         self.check().bindings(pipeline, buffers)?;
         let bound = Bound::new(self, pipeline, buffers)?;
         let buffers = buffers.iter().map(|&buffer| buffer.clone()).collect();
-        Ok(BoundKernel { kernel: pipeline.kernel, buffers, device: self.id, inner: Arc::new(bound) })
+        let Pipeline { kernel, workgroup_size, .. } = *pipeline;
+        Ok(BoundKernel { kernel, workgroup_size, buffers, device: self.id, inner: Arc::new(bound) })
     }
 
     fn run(&self, commands: &[Command], timed: bool) -> Result<RunTiming, DeviceError> {

@@ -9,6 +9,8 @@ use crate::{Buffer, DeviceError, resource::Pipeline};
 
 /// A compiled kernel.
 pub(super) struct Ready {
+    /// Invocations of a workgroup.
+    pub(super) workgroup_size: u32,
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
 }
@@ -25,11 +27,12 @@ impl Ready {
             message,
         };
         let most = gpu.device.limits().max_compute_invocations_per_workgroup;
-        if kernel.workgroup_size > most {
-            let asked = kernel.workgroup_size;
+        let chosen = overrides.iter().find(|(name, _)| kernel.workgroup_override == Some(name));
+        let asked = chosen.map_or(kernel.workgroup_size, |&(_, size)| size as u32);
+        if asked > most {
             return Err(refuse(format!("workgroups of {asked} invocations, and it takes at most {most}")));
         }
-        let made = gpu.faults.guard(&gpu.device, || compile(gpu, kernel, overrides));
+        let made = gpu.faults.guard(&gpu.device, || compile(gpu, kernel, overrides, asked));
         made.map_err(|fault| match fault {
             Fault::Refused(message) => refuse(message),
             fault => gpu.error("compile a kernel", fault),
@@ -37,7 +40,12 @@ impl Ready {
     }
 }
 
-fn compile(gpu: &GpuDevice, kernel: &'static Kernel, overrides: &[(&'static str, f64)]) -> Ready {
+fn compile(
+    gpu: &GpuDevice,
+    kernel: &'static Kernel,
+    overrides: &[(&'static str, f64)],
+    workgroup_size: u32,
+) -> Ready {
     let entries: Vec<_> = kernel.bindings.iter().map(layout_entry).collect();
     let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some(kernel.name),
@@ -66,7 +74,7 @@ fn compile(gpu: &GpuDevice, kernel: &'static Kernel, overrides: &[(&'static str,
         compilation_options: wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() },
         cache: gpu.cache.as_ref().map(|cache| cache.for_new_pipeline()),
     });
-    Ready { layout, pipeline }
+    Ready { workgroup_size, layout, pipeline }
 }
 
 fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {

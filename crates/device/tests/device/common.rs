@@ -93,6 +93,7 @@ pub static WRITE_INDEX: Kernel = Kernel {
         binding("out", 2, BindingKind::StorageReadWrite, 4),
     ],
     workgroup_size: WORKGROUP,
+    workgroup_override: None,
     native: write_index,
 };
 
@@ -118,6 +119,7 @@ pub static ADD_ALL: Kernel = Kernel {
         }",
     bindings: &[binding("sum", 0, BindingKind::StorageReadWrite, 4)],
     workgroup_size: WORKGROUP,
+    workgroup_override: None,
     native: add_all,
 };
 
@@ -147,6 +149,7 @@ pub static WRITE_ARGS: Kernel = Kernel {
         binding("args", 1, BindingKind::StorageReadWrite, 16),
     ],
     workgroup_size: WORKGROUP,
+    workgroup_override: None,
     native: write_args,
 };
 
@@ -171,6 +174,7 @@ pub static STEP: Kernel = Kernel {
         }",
     bindings: &[binding("data", 0, BindingKind::StorageReadWrite, 4)],
     workgroup_size: WORKGROUP,
+    workgroup_override: None,
     native: step_words,
 };
 

@@ -83,14 +83,22 @@ fn a_kernel_the_driver_refuses_is_an_error() {
         wgsl: "@compute @workgroup_size(64) fn wrong() { let x: u32 = 1.5; }",
         bindings: &[],
         workgroup_size: 64,
+        workgroup_override: None,
         native: nothing,
     };
     static MISNAMED: Kernel =
         Kernel { name: "other", wgsl: "@compute @workgroup_size(64) fn wrong() {}", ..WRONG };
     static WIDE: Kernel = Kernel { workgroup_size: 1 << 20, ..WRONG };
     let Some(gpu) = common::gpu() else { return };
-    for kernel in [&WRONG, &MISNAMED, &WIDE] {
-        let error = gpu.load_kernel(kernel).expect_err("refused");
+    static CHOSEN: Kernel = Kernel {
+        wgsl: "override SIZE: u32 = 64u; @compute @workgroup_size(SIZE) fn wrong() {}",
+        workgroup_override: Some("SIZE"),
+        ..WRONG
+    };
+    gpu.load_kernel(&CHOSEN).expect("as wide as by default");
+    let too_wide = [("SIZE", f64::from(1 << 20))];
+    for (kernel, overrides) in [(&WRONG, &[][..]), (&MISNAMED, &[]), (&WIDE, &[]), (&CHOSEN, &too_wide)] {
+        let error = gpu.load_specialised(kernel, overrides).expect_err("refused");
         println!("{error}");
         assert!(matches!(error, DeviceError::KernelRefused { .. }), "{error}");
         assert!(!error.to_string().contains('\n'), "{error}");
@@ -104,8 +112,14 @@ fn a_kernel_the_driver_refuses_is_an_error() {
 fn a_kernel_with_too_many_buffers_is_an_error() {
     static BINDINGS: [Binding; 4096] =
         [Binding { name: "b", slot: 0, kind: BindingKind::StorageRead, min_bytes: 4 }; 4096];
-    static MANY: Kernel =
-        Kernel { name: "many", wgsl: "", bindings: &BINDINGS, workgroup_size: 64, native: nothing };
+    static MANY: Kernel = Kernel {
+        name: "many",
+        wgsl: "",
+        bindings: &BINDINGS,
+        workgroup_size: 64,
+        workgroup_override: None,
+        native: nothing,
+    };
     let Some(gpu) = common::gpu() else { return };
     let limit = gpu.info().max_storage_buffers;
     if limit >= 4096 {

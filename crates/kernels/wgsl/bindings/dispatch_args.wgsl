@@ -1,5 +1,7 @@
 // Grids for indirect dispatch, [x, y, z] each.
 
+#include "bindings/workgroups.wgsl"
+
 @group(0) @binding(11) var<storage, read_write> dispatch_args: array<u32>;
 
 /// Word offsets of the grids.
@@ -7,15 +9,13 @@ const ARGS_QUEUE: u32 = 0u;
 const ARGS_SHADOW: u32 = 3u;
 const ARGS_SPLAT: u32 = 6u;
 const ARGS_JOINS: u32 = 9u;
-const N_ARGS: u32 = 12u;
+const ARGS_SHADE: u32 = 12u;
+const N_ARGS: u32 = 15u;
 
-/// Invocations of a workgroup, in every kernel.
-const WORKGROUP: u32 = 64u;
-
-/// Writes the grid that covers n invocations: rows of GRID_ROW (see invocation_index).
-fn write_grid(at: u32, n: u32) {
-    let row_groups = GRID_ROW / WORKGROUP;
-    let groups = (n + WORKGROUP - 1u) / WORKGROUP;
+/// Writes the grid of such workgroups that covers n invocations: rows of GRID_ROW (see invocation_index).
+fn write_grid(at: u32, n: u32, workgroup: u32) {
+    let row_groups = GRID_ROW / workgroup;
+    let groups = (n + workgroup - 1u) / workgroup;
     dispatch_args[at] = min(groups, row_groups);
     dispatch_args[at + 1u] = (groups + row_groups - 1u) / row_groups;
     dispatch_args[at + 2u] = 1u;
@@ -34,6 +34,6 @@ fn plan_shadow_rays() {
     let length = atomicLoad(&counters[COUNT_SHADOW]);
     atomicStore(&counters[COUNT_SHADOW_TRACE], length);
     atomicStore(&counters[COUNT_SHADOW], 0u);
-    write_grid(ARGS_SHADOW, length);
+    write_grid(ARGS_SHADOW, length, WORKGROUP);
     count_rays(length);
 }

@@ -29,6 +29,7 @@ macro_rules! probes {
                 wgsl: include_str!(concat!("../wgsl/", stringify!($name), ".wgsl")),
                 bindings: $name::BINDINGS,
                 workgroup_size: $name::WORKGROUP_SIZE,
+                workgroup_override: $name::WORKGROUP_OVERRIDE,
                 native: $name::entry,
             };
         )*

@@ -115,8 +115,11 @@ pub struct Kernel {
     pub wgsl: &'static str,
     /// Its buffers, sorted by slot.
     pub bindings: &'static [Binding],
-    /// Invocations per workgroup (x only; y and z are 1).
+    /// Invocations per workgroup (x only; y and z are 1): on a CPU always, on a GPU unless an override
+    /// says how many.
     pub workgroup_size: u32,
+    /// The name of that override.
+    pub workgroup_override: Option<&'static str>,
     /// The same kernel translated to Rust.
     pub native: NativeEntry,
 }

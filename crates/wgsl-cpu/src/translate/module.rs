@@ -3,8 +3,8 @@
 use std::{collections::HashSet, fmt::Write as _};
 
 use naga::{
-    AddressSpace, Constant, Expression, Function, GlobalVariable, Handle, ImageClass, ImageDimension, Module,
-    ScalarKind, ShaderStage, Span, StorageAccess, StructMember, Type, TypeInner,
+    AddressSpace, Constant, Expression, Function, GlobalVariable, Handle, ImageClass, ImageDimension,
+    Literal, Module, ScalarKind, ShaderStage, Span, StorageAccess, StructMember, Type, TypeInner,
     valid::{FunctionInfo, ModuleInfo},
 };
 
@@ -66,10 +66,29 @@ fn entry_info(wgsl: &str, module: &Module) -> Result<Option<EntryInfo>> {
         return Err(Unsupported::new("an entry point that is not @compute", at(&entry.name)));
     }
     let [x, y, z] = entry.workgroup_size;
-    if (y, z) != (1, 1) {
+    let [chosen, rows, layers] = entry.workgroup_size_overrides.unwrap_or_default();
+    if (y, z) != (1, 1) || rows.is_some() || layers.is_some() {
         return Err(Unsupported::new("a workgroup of more than one dimension", at(&entry.name)));
     }
-    Ok(Some(EntryInfo { name: entry.name.clone(), workgroup_size: x }))
+    let (workgroup_size, workgroup_override) = match chosen {
+        None => (x, None),
+        Some(size) => {
+            let named = named_size(module, size);
+            let named = named.ok_or_else(|| Unsupported::new("this size of a workgroup", at(&entry.name)));
+            named.map(|(default, name)| (default, Some(name)))?
+        }
+    };
+    Ok(Some(EntryInfo { name: entry.name.clone(), workgroup_size, workgroup_override }))
+}
+
+/// Default and name of an override that is a workgroup's size.
+fn named_size(module: &Module, size: Handle<Expression>) -> Option<(u32, String)> {
+    let Expression::Override(handle) = module.global_expressions[size] else { return None };
+    let value = &module.overrides[handle];
+    let Expression::Literal(Literal::U32(default)) = module.global_expressions[value.init?] else {
+        return None;
+    };
+    Some((default, value.name.clone()?))
 }
 
 /// Where the source declares a function: naga does not say for entry points.
@@ -379,10 +398,12 @@ impl<'a> ModuleWriter<'a> {
         };
         let records = if has_globals { "" } else { "pub const BINDINGS: &[rt::Binding] = &[];\n" };
         Ok(format!(
-            "{records}pub const WORKGROUP_SIZE: u32 = {};\n\n/// # Safety\n/// As for `NativeEntry`.\n\
+            "{records}pub const WORKGROUP_SIZE: u32 = {};\n\
+             pub const WORKGROUP_OVERRIDE: Option<&str> = {:?};\n\n/// # Safety\n/// As for `NativeEntry`.\n\
              pub unsafe fn entry(bindings: &[rt::Storage<'_>], invocations: rt::Invocations) {{\n{globals}    \
              invocations.for_each(WORKGROUP_SIZE, |invocation| {}({}));\n}}\n",
             entry.workgroup_size,
+            entry.workgroup_override,
             self.names.entry(),
             arguments.join(", "),
         ))

@@ -27,6 +27,7 @@ const TAKEN: &[&str] = &[
     "Vec2",
     "Vec3",
     "Vec4",
+    "WORKGROUP_OVERRIDE",
     "WORKGROUP_SIZE",
     "bool",
     "entry",

@@ -123,8 +123,10 @@ pub enum ScalarValue {
 pub struct EntryInfo {
     /// Its WGSL name.
     pub name: String,
-    /// Invocations per workgroup along x; 1 along y and z.
+    /// Invocations per workgroup along x; 1 along y and z. The default, where an override says how many.
     pub workgroup_size: u32,
+    /// The name of that override.
+    pub workgroup_override: Option<String>,
 }
 
 impl fmt::Display for ScalarType {

@@ -177,6 +177,7 @@ fn kernel(globals: &Globals<'_>, private: &mut Private, id: Vec3<u32>, lane: u32
 }
 
 pub const WORKGROUP_SIZE: u32 = 64;
+pub const WORKGROUP_OVERRIDE: Option<&str> = None;
 
 /// # Safety
 /// As for `NativeEntry`.

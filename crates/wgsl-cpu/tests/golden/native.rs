@@ -62,6 +62,7 @@ fn native(globals: &Globals<'_>, id: Vec3<u32>) {
 }
 
 pub const WORKGROUP_SIZE: u32 = 64;
+pub const WORKGROUP_OVERRIDE: Option<&str> = None;
 
 /// # Safety
 /// As for `NativeEntry`.
