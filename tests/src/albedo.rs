@@ -1,6 +1,7 @@
 //! The tables of directional albedos that `crates/kernels/src/albedo.bin` holds, computed in f64 from
 //! the models' definitions: quadrature over the visible normals, then a polynomial in √μ by least
-//! squares (`crates/kernels/wgsl/lib/albedo.wgsl`). The table of stretched facets is in `stretched.rs`.
+//! squares (`crates/kernels/wgsl/lib/albedo.wgsl`). The tables of stretched
+//! facets are in `stretched.rs` and `stretched_solid.rs`, that of layers over them in `held_back.rs`.
 
 use glam::DVec3;
 use midway_kernels::constants as k;
@@ -45,7 +46,7 @@ fn index_of(entry: u32) -> f64 {
 }
 
 /// Loss of a mirror, its albedo with the factor (1 - cos)⁵, albedo of the sheen.
-fn alpha_curves(alpha: f64) -> [Curve; k::N_ALPHA_CURVES as usize] {
+pub(crate) fn alpha_curves(alpha: f64) -> [Curve; k::N_ALPHA_CURVES as usize] {
     let sheen_alpha = alpha.max(f64::from(k::MIN_SHEEN_ALPHA));
     [
         fit(|mu| 1.0 - mirror_albedo(alpha, mu, |_| 1.0)),
@@ -184,7 +185,7 @@ pub(crate) fn least_squares<const N: usize>(points: impl Iterator<Item = (f64, f
 }
 
 /// Gauss's elimination with the largest pivot; the normal equations are not singular.
-fn solve<const N: usize>(mut rows: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
+pub(crate) fn solve<const N: usize>(mut rows: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
     for column in 0..N {
         let largest = (column..N).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()));
         let largest = largest.unwrap_or(column);

@@ -5,6 +5,7 @@ pub mod camera_scenes;
 pub mod dispersion;
 pub mod estimate;
 pub mod everything;
+pub mod held_back;
 pub mod integrators;
 pub mod lit;
 pub mod mitsuba;

@@ -46,10 +46,20 @@ pub fn table(step: usize) -> Vec<Entry> {
 
 /// E of a white mirror's facets, and their albedo with the factor (1 - cos)⁵, towards a direction.
 pub fn albedos(alpha: [f64; 2], wo: DVec3) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    reflected(alpha, wo, |_, weight, cosine| {
+        sums[0] += weight;
+        sums[1] += weight * (1.0 - cosine).powi(5);
+    });
+    sums
+}
+
+/// Calls `add` with the directions that a white mirror's facets send light to, how much, and the cosine to
+/// the facet.
+pub(crate) fn reflected(alpha: [f64; 2], wo: DVec3, mut add: impl FnMut(DVec3, f64, f64)) {
     let alpha = DVec3::new(alpha[0], alpha[1], 1.0);
     let lambda = |w: DVec3| ((alpha * w).length() / w.z - 1.0) / 2.0;
     let (masked, stretched) = (lambda(wo), (alpha * wo).normalize());
-    let mut sums = [0.0; 2];
     for i in 0..CELLS * CELLS {
         let place = |i: usize| (i as f64 + 0.5) / CELLS as f64;
         let (sin, cos) = (place(i % CELLS) * TAU).sin_cos();
@@ -60,11 +70,9 @@ pub fn albedos(alpha: [f64; 2], wo: DVec3) -> [f64; 2] {
         let wi = 2.0 * cosine * h - wo;
         if wi.z > 0.0 {
             let weight = (1.0 + masked) / (1.0 + masked + lambda(wi));
-            sums[0] += weight;
-            sums[1] += weight * (1.0 - cosine).powi(5);
+            add(wi, weight / (CELLS * CELLS) as f64, cosine);
         }
     }
-    sums.map(|sum| sum / (CELLS * CELLS) as f64)
 }
 
 /// A direction by its cosine and its azimuth from the larger α.

@@ -3,7 +3,7 @@
 use midway_kernels::{ALBEDO_TABLES, constants as k};
 use midway_tests::{
     albedo::{self, Curve, TERMS},
-    stretched, stretched_solid,
+    held_back, stretched, stretched_solid,
 };
 
 /// The test computes one entry of so many: all of them take 30 s, and those of solids two minutes more.
@@ -35,7 +35,8 @@ fn tables_are_those_of_the_definitions() {
         let numbers = albedo::tables(1).into_iter().flatten();
         let all = numbers.chain(stretched::table(1).into_iter().flat_map(|entry| entry.numbers()));
         let solid = (0..k::SOLID_ALPHAS).flat_map(stretched_solid::row).flatten();
-        std::fs::write(path, albedo::bytes(all.chain(solid))).expect("the tables are written");
+        let all = all.chain(solid).chain(held_back::table());
+        std::fs::write(path, albedo::bytes(all)).expect("the tables are written");
         return;
     }
     let computed = albedo::tables(EVERY);
@@ -71,6 +72,18 @@ fn the_stretched_table_is_that_of_the_definitions() {
 fn the_solid_table_is_that_of_the_definitions() {
     let stored = &stored_numbers()[N_BEFORE_SOLID + ROW as usize * N_OF_SOLID_ROW..][..N_OF_SOLID_ROW];
     let computed: Vec<f64> = stretched_solid::row(ROW).into_iter().flatten().collect();
+    assert_eq!(stored.len(), computed.len());
+    for (i, (stored, computed)) in stored.iter().zip(computed).enumerate() {
+        let error = (stored - computed).abs();
+        assert!(error <= 1e-4 * computed.abs().max(1.0), "number {i}: {stored}, not {computed}");
+    }
+}
+
+/// And of what layers hold back.
+#[test]
+fn the_table_of_layers_is_that_of_the_definitions() {
+    let stored = &stored_numbers()[4 * k::HELD_AT as usize..];
+    let computed = held_back::table();
     assert_eq!(stored.len(), computed.len());
     for (i, (stored, computed)) in stored.iter().zip(computed).enumerate() {
         let error = (stored - computed).abs();

@@ -10,13 +10,6 @@ use crate::support::{Random, double, finish, raw, single};
 /// What a furnace may take or add: the table is within 0.01 of what facets lose, and the rest is room for
 /// what lies between its entries.
 const TOLERANCE: f64 = 0.02;
-/// The same of dielectrics and plastic, whose base is lit by what their facets let through: that is known
-/// within 0.04 where the smaller α is under an eighth of the larger.
-const TOLERANCE_OF_BASES: f64 = 0.04;
-/// The same of metals under a rough coat, and under a sheen: what lies under them falls short by 0.022 and
-/// 0.038 at worst (quadrature; by 0.011 and 0.021 where there is one α).
-const TOLERANCE_OF_COATS: f64 = 0.025;
-const TOLERANCE_OF_SHEENS: f64 = 0.04;
 /// What solids may take or add where the smaller α is under a tenth of the larger: their losses change
 /// suddenly at the edge of total reflection.
 const TOLERANCE_AT_EDGES: f64 = 0.03;
@@ -24,6 +17,8 @@ const TOLERANCE_AT_EDGES: f64 = 0.03;
 const CELLS: usize = 96;
 /// Samples of an albedo: its standard error is under a hundredth.
 const N: usize = 3_000;
+/// And of one that was found off.
+const N_AGAIN: usize = 100_000;
 const MODES: [u32; 2] = [lib::TRANSPORT_RADIANCE, lib::TRANSPORT_IMPORTANCE];
 const COSINES: [f64; 6] = [0.03, 0.1, 0.2, 0.45, 0.75, 1.0];
 /// Degrees from the direction of the larger α.
@@ -44,9 +39,9 @@ fn wo(cosine: f64, degrees: f64) -> DVec3 {
     midway_tests::stretched::direction(cosine, degrees.to_radians())
 }
 
-fn albedo(material: Material, wo: DVec3, mode: u32, random: &mut Random) -> Estimate {
+fn albedo(material: Material, wo: DVec3, mode: u32, n: usize, random: &mut Random) -> Estimate {
     let place = lib::Frame { tangent: single(DVec3::X), ..crate::support::frame(DVec3::Z, DVec3::Z) };
-    let weights: Vec<f64> = (0..N)
+    let weights: Vec<f64> = (0..n)
         .map(|_| {
             let sampled = lib::bsdf_sample(material, place, single(wo), random.unit3(), mode);
             let weight = if sampled.pdf > 0.0 { double(sampled.weight).max_element() } else { 0.0 };
@@ -67,11 +62,16 @@ fn not_white(material: Material, tolerance: f64, random: &mut Random) -> Vec<Str
     for (cosine, azimuth) in COSINES.iter().flat_map(|&c| AZIMUTHS.map(|a| (c, a))) {
         for (&side, mode) in sides.iter().flat_map(|side| MODES.map(|mode| (side, mode))) {
             let above = wo(cosine, azimuth);
-            let albedo = albedo(material, DVec3 { z: side * above.z, ..above }, mode, random);
-            let error = 3.0 * albedo.standard_error;
-            let is_white = (albedo.mean - 1.0).abs() <= tolerance + error;
-            if !is_white {
-                found.push(format!("{:.4} +- {error:.4} at {}, {azimuth}°", albedo.mean, side * cosine));
+            let mut of = |n| albedo(material, DVec3 { z: side * above.z, ..above }, mode, n, random);
+            let is_white = |a: &Estimate| (a.mean - 1.0).abs() <= tolerance + 3.0 * a.standard_error;
+            if is_white(&of(N)) {
+                continue;
+            }
+            // Of ten thousand means some are off by as much: a mean of its own says.
+            let again = of(N_AGAIN);
+            if !is_white(&again) {
+                let error = 3.0 * again.standard_error;
+                found.push(format!("{:.4} +- {error:.4} at {}, {azimuth}°", again.mean, side * cosine));
             }
         }
     }
@@ -120,7 +120,16 @@ fn other_losses_are_rejected() {
     of_diamond.curves = finish(glass((1.0, 0.04), 2.4)).curves;
     let mut back = solid;
     back.ms_transmit = finish(glass((0.5, 0.04), 1.5)).ms_transmit;
+    // Layers that keep what they hold back, and that hold back as over other facets.
+    let coated = RawMaterial { k_or_coat: Vec3::new(1.0, 0.0, 1.0), ..brushed(0.2, 1.0, 1.0) };
+    let mut kept = finish(coated);
+    kept.held_back = Vec3::splat(0.0);
+    let over_one = RawMaterial { k_or_coat: Vec3::new(1.0, 0.0, 0.0), ..brushed(0.2, 0.0, 1.0) };
+    let mut as_of_one = finish(coated);
+    (as_of_one.held_back, as_of_one.curves.held) = (finish(over_one).held_back, finish(over_one).curves.held);
     for (name, other) in [
+        ("what layers hold back is kept", kept),
+        ("held back as over one α", as_of_one),
         ("across", swapped),
         ("by azimuth", by_azimuth),
         ("by mean", by_mean),
@@ -162,17 +171,46 @@ fn stretched_surfaces_of_other_kinds_are_white() {
     for (roughness, strength) in [(0.2, 1.0), (0.3, 0.7), (0.6, 0.9), (0.4, 0.3), (0.5, 0.0)] {
         let about = |kind: &str| format!("{kind}, roughness {roughness}, strength {strength}");
         let plain = brushed(roughness, strength, 0.0);
-        let metal = brushed(roughness, strength, 1.0);
-        assert_white(&about("dielectric"), plain, TOLERANCE_OF_BASES, &mut random);
+        assert_white(&about("dielectric"), plain, TOLERANCE, &mut random);
         assert_white(&about("thin"), RawMaterial { transmission: 1.0, ..plain }, TOLERANCE, &mut random);
         let alpha = lib::interface_alpha(plain);
         let plastic = RawMaterial { roughness: alpha, ..raw(lib::SURFACE_PLASTIC) };
-        assert_white(&about("plastic"), plastic, TOLERANCE_OF_BASES, &mut random);
-        let coated = RawMaterial { k_or_coat: Vec3::new(1.0, 0.5, strength), ..metal };
-        assert_white(&about("coat 0.5 on metal"), coated, TOLERANCE_OF_COATS, &mut random);
-        let velvet = RawMaterial { eta_or_sheen: Vec4::new(0.5, 0.5, 0.5, 0.7), ..metal };
-        assert_white(&about("sheen on metal"), velvet, TOLERANCE_OF_SHEENS, &mut random);
+        assert_white(&about("plastic"), plastic, TOLERANCE, &mut random);
     }
+}
+
+/// Coats, sheens, and the one over the other, on facets of one α and of two.
+#[test]
+fn metals_under_layers_are_white() {
+    let mut random = Random::new(124);
+    let coat = |roughness| (Vec4::splat(0.0), 1.0, roughness);
+    let sheen = |colour: f32, roughness| (Vec4::new(colour, colour, colour, roughness), 0.0, 0.0);
+    let layers = [
+        ("smooth coat", coat(0.0)),
+        ("coat 0.2", coat(0.2)),
+        ("coat 0.5", coat(0.5)),
+        ("half a coat", (Vec4::splat(0.0), 0.5, 0.1)),
+        ("sheen 0.3", sheen(1.0, 0.3)),
+        ("sheen 0.7", sheen(0.5, 0.7)),
+        ("coat 0.1 and sheen 0.5", (Vec4::new(0.8, 0.8, 0.8, 0.5), 1.0, 0.1)),
+    ];
+    let mut failed = Vec::new();
+    for roughness in [0.1, 0.3, 0.55, 0.8, 1.0] {
+        for strength in [0.0, 0.4, 0.8, 1.0] {
+            for (name, (eta_or_sheen, coat, coat_roughness)) in layers {
+                let metal = brushed(roughness, strength, 1.0);
+                let k_or_coat = Vec3::new(coat, coat_roughness, strength);
+                let layered = RawMaterial { eta_or_sheen, k_or_coat, ..metal };
+                let found = not_white(finish(layered), TOLERANCE, &mut random);
+                if !found.is_empty() {
+                    failed.push(format!(
+                        "{name} on metal, roughness {roughness}, strength {strength}: {found:?}"
+                    ));
+                }
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
 /// Pairs of α: of KHR_materials_anisotropy (roughness and strength 0.2 and 1, 0.5 and 0.7, 0.2 and 0.5, 0.7

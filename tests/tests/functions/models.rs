@@ -88,18 +88,18 @@ pub fn all() -> Vec<Model> {
         model("brushed hard", rough(stretched(brushed, 0.9), 0.4, 0.4), 0.02),
         model("brushed dielectric", RawMaterial { metallic: 0.0, ..rough(brushed, 0.5, 0.5) }, 0.02),
         model("plastic 0.2 by 0.6", rough(plastic, 0.2, 0.6), 0.02),
-        model("coat 0 on dielectric", coated(rough(pbr, 0.6, 0.6), 1.0, 0.0), 0.05),
+        model("coat 0 on dielectric", coated(rough(pbr, 0.6, 0.6), 1.0, 0.0), 0.02),
         model(
             "coat 0.5 on metal",
             coated(RawMaterial { metallic: 1.0, ..rough(pbr, 0.7, 0.7) }, 1.0, 0.5),
             0.02,
         ),
-        model("velvet", rough(velvet, 0.8, 0.8), 0.05),
+        model("velvet", rough(velvet, 0.8, 0.8), 0.02),
         model("thin, roughness 0.6", rough(clear, 0.6, 0.6), 0.02),
         model("half thin", RawMaterial { transmission: 0.5, ..rough(clear, 0.6, 0.6) }, 0.02),
-        model("volume, roughness 0.6", rough(solid(clear, 1.5), 0.6, 0.6), 0.03),
-        model("coated thin, smooth", coated(RawMaterial { transmission: 0.5, ..clear }, 0.7, 0.0), 0.05),
-        model("coat 0 apart on dielectric", coated_apart(rough(pbr, 0.6, 0.6), 1.0, 0.0), 0.05),
+        model("volume, roughness 0.6", rough(solid(clear, 1.5), 0.6, 0.6), 0.02),
+        model("coated thin, smooth", coated(RawMaterial { transmission: 0.5, ..clear }, 0.7, 0.0), 0.02),
+        model("coat 0 apart on dielectric", coated_apart(rough(pbr, 0.6, 0.6), 1.0, 0.0), 0.02),
         model(
             "coat 0.5 apart on metal",
             coated_apart(RawMaterial { metallic: 1.0, ..rough(pbr, 0.7, 0.7) }, 1.0, 0.5),
@@ -108,11 +108,11 @@ pub fn all() -> Vec<Model> {
         model(
             "coat 0.4 apart, thin, smooth",
             coated_apart(RawMaterial { transmission: 0.5, ..clear }, 0.7, 0.4),
-            0.05,
+            0.02,
         ),
-        model("coat 0.3 apart on velvet", coated_apart(rough(velvet, 0.8, 0.8), 0.8, 0.3), 0.05),
+        model("coat 0.3 apart on velvet", coated_apart(rough(velvet, 0.8, 0.8), 0.8, 0.3), 0.02),
         model("glass 0.2 by 0.6", rough(solid(glass, 1.5), 0.2, 0.6), 0.02),
         model("bubble 0.7 by 0.3", rough(solid(glass, 1.0 / 1.33), 0.7, 0.3), 0.02),
-        model("brushed volume", rough(stretched(solid(clear, 1.5), 0.7), 0.5, 0.5), 0.03),
+        model("brushed volume", rough(stretched(solid(clear, 1.5), 0.7), 0.5, 0.5), 0.02),
     ]
 }

@@ -3,9 +3,9 @@
 use glam::DVec3;
 use midway_kernels::{
     ALBEDO_TABLES,
-    native::lib::{self, Albedos, Curve, Frame, Material, RawMaterial},
+    native::lib::{self, Albedos, Curve, Frame, HeldBack, Material, RawMaterial},
 };
-use wgsl_cpu::runtime::{Vec2, Vec3, Vec4};
+use wgsl_cpu::runtime::{Vec2, Vec3, Vec4, dot};
 
 /// A generator of its own, so that the kernels' hash is not tested with itself (SplitMix64,
 /// Steele et al. 2014).
@@ -98,6 +98,9 @@ pub fn finish(raw: RawMaterial) -> Material {
     let coat = lib::schlick_albedo(lib::COAT_F0, of_coat(lib::CURVE_LOSS), of_coat(lib::CURVE_GRAZING));
     let mut albedos = Albedos { sheen, coat, ..lib::no_albedos() };
     if both.x > 0.0 {
+        if lib::holds_back(raw) {
+            albedos.held = held_back(both, lib::held_at_nodes(raw, albedos));
+        }
         if lib::has_stretched_curves(both, raw.flags) {
             return lib::finish_material(raw, stretched(albedos, both));
         }
@@ -187,6 +190,25 @@ fn solid(plain: Albedos, alpha: Vec2<f32>, ior: f32) -> Albedos {
         stretch: number(13),
         ..plain
     }
+}
+
+/// The fifth.
+fn held_back(alpha: Vec2<f32>, at_nodes: Vec4<f32>) -> HeldBack {
+    let place = lib::held_place(alpha);
+    let first = [(place.x as u32).min(lib::HELD_ALPHAS - 2), (place.y as u32).min(lib::HELD_RATIOS - 2)];
+    let [t, u] = [place.x - first[0] as f32, place.y - first[1] as f32];
+    let number = |word: u32| {
+        let at = |alpha: u32, ratio: u32| {
+            let entry = (first[0] + alpha) * lib::HELD_RATIOS + first[1] + ratio;
+            dot(row(lib::HELD_AT + entry * lib::HELD_STRIDE + word), at_nodes)
+        };
+        let between = |ratio| at(0, ratio) * (1.0 - t) + at(1, ratio) * t;
+        between(0) * (1.0 - u) + between(1) * u
+    };
+    let powers = |function| {
+        Vec4::new(number(function), number(function + 3), number(function + 6), number(function + 9))
+    };
+    HeldBack { all: powers(0), across: powers(1), blended: powers(2) }
 }
 
 fn between(place: f32, entries: u32, entry: impl Fn(u32) -> Curve) -> Curve {

@@ -71,6 +71,9 @@ fn load_albedos(raw: RawMaterial) -> Albedos {
     if (!may_have(FEATURE_ROUGHNESS) || both.x == 0.0) {
         return albedos;
     }
+    if (holds_back(raw)) {
+        albedos.held = load_held_back(both, held_at_nodes(raw, albedos));
+    }
     if (has_solid_losses(both, raw.flags)) {
         return add_solid(albedos, both, raw.ior);
     }
@@ -168,6 +171,31 @@ fn add_solid(plain: Albedos, alpha: vec2<f32>, ior: f32) -> Albedos {
         albedos.stretch += weight * scene[at + 13u];
     }
     return albedos;
+}
+
+/// The fifth between its entries, by what layers hold back at its cosines.
+fn load_held_back(alpha: vec2<f32>, at_nodes: vec4<f32>) -> HeldBack {
+    let place = held_place(alpha);
+    let first = min(vec2<u32>(place), vec2<u32>(HELD_ALPHAS, HELD_RATIOS) - 2u);
+    let t = place - vec2<f32>(first);
+    var held = HeldBack(vec4<f32>(0.0), vec4<f32>(0.0), vec4<f32>(0.0));
+    for (var corner = 0u; corner < 4u; corner += 1u) {
+        let right = corner & 1u;
+        let up = corner >> 1u;
+        let by_nodes = at_nodes * (select(1.0 - t.x, t.x, right == 1u) * select(1.0 - t.y, t.y, up == 1u));
+        let at = HELD_AT + ((first.x + right) * HELD_RATIOS + first.y + up) * HELD_STRIDE;
+        held.all += held_powers(at, by_nodes);
+        if (alpha.x != alpha.y) {
+            held.across += held_powers(at + 1u, by_nodes);
+            held.blended += held_powers(at + 2u, by_nodes);
+        }
+    }
+    return held;
+}
+
+/// Coefficients of a function of the azimuth.
+fn held_powers(at: u32, by_nodes: vec4<f32>) -> vec4<f32> {
+    return vec4<f32>(dot(scene[at], by_nodes), dot(scene[at + 3u], by_nodes), dot(scene[at + 6u], by_nodes), dot(scene[at + 9u], by_nodes));
 }
 
 fn add_curve(sum: Curve, weight: f32, at: u32) -> Curve {

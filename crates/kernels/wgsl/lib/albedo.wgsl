@@ -14,6 +14,10 @@
 // the denser side, they are a mirror's (x = 0). What is given back is within 0.02 of what quadrature says is
 // lost, where the smaller α is under a tenth of the larger within 0.03. Limits: nothing is fitted under a
 // cosine of 0.02; losses there are off by up to 0.05 at 0.01, 0.4 at 0.001.
+//
+// What a coat and a sheen hold back of the light of facets below them (tests/src/held_back.rs, within 0.02): a
+// cubic in √μ times functions of the azimuth, whose coefficients are sums over four cosines of what the
+// layers do not let through there.
 
 struct Curve {
     /// Coefficients of (√μ)⁰ … (√μ)³.
@@ -66,7 +70,32 @@ const MIN_SOLID_INDEX: f32 = 1.03;
 const SOLID_BLEND: f32 = 0.6;
 const SOLID_SMOOTHING: f32 = 0.7;
 
-const ALBEDO_SIZE: u32 = SOLID_AT + SOLID_ALPHAS * SOLID_INDICES * SOLID_RATIOS * SOLID_STRIDE;
+const HELD_AT: u32 = SOLID_AT + SOLID_ALPHAS * SOLID_INDICES * SOLID_RATIOS * SOLID_STRIDE;
+
+/// Entries of the fifth table: by √ of the larger α, and by √ of the smaller over it; the ratio is innermost.
+const HELD_ALPHAS: u32 = 8u;
+const HELD_RATIOS: u32 = 4u;
+/// vec4 of an entry: for each power of √μ the factors of the functions of the azimuth (1, the share of the
+/// direction across the larger α, the blend), by the cosine.
+const HELD_STRIDE: u32 = 12u;
+/// Those cosines.
+const HELD_NODE_0: f32 = 0.03;
+const HELD_NODE_1: f32 = 0.1;
+const HELD_NODE_2: f32 = 0.25;
+const HELD_NODE_3: f32 = 0.6;
+/// q of the blend.
+const HELD_BLEND: f32 = 0.1;
+/// The mean of the blend over the azimuth, √q / (1 + √q).
+const HELD_BLEND_MEAN: f32 = 0.240253073;
+
+const ALBEDO_SIZE: u32 = HELD_AT + HELD_ALPHAS * HELD_RATIOS * HELD_STRIDE;
+
+/// What layers hold back: of the fifth table's functions of the azimuth, cubics in √μ.
+struct HeldBack {
+    all: vec4<f32>,
+    across: vec4<f32>,
+    blended: vec4<f32>,
+}
 
 fn no_curve() -> Curve {
     return Curve(vec4<f32>(0.0), vec4<f32>(0.0));
@@ -118,6 +147,33 @@ fn stretched_blend(alpha: vec2<f32>, w: vec3<f32>, q: f32) -> f32 {
     let squares = w.xy * w.xy;
     let share = select(squares.x, squares.y, alpha.x > alpha.y) / max(squares.x + squares.y, 1e-20);
     return q * share / (1.0 - (1.0 - q) * share); // >= q: share <= 1
+}
+
+/// Place in the fifth table of two α, the larger positive.
+fn held_place(alpha: vec2<f32>) -> vec2<f32> {
+    let larger = max(alpha.x, alpha.y);
+    return vec2<f32>(sqrt(min(larger, 1.0)) * f32(HELD_ALPHAS - 1u), sqrt(min(alpha.x, alpha.y) / larger) * f32(HELD_RATIOS - 1u));
+}
+
+/// What is held back of the light to a direction.
+fn held_at(held: HeldBack, alpha: vec2<f32>, w: vec3<f32>) -> f32 {
+    let root = sqrt(max(w.z, 0.0));
+    let powers = vec4<f32>(1.0, root, root * root, root * root * root);
+    var sum = dot(held.all, powers);
+    if (alpha.x != alpha.y) {
+        sum += stretched_blend(alpha, w, 1.0) * dot(held.across, powers) + stretched_blend(alpha, w, HELD_BLEND) * dot(held.blended, powers);
+    }
+    return clamp(sum, 0.0, 1.0);
+}
+
+/// Its mean over the hemisphere, weighted by the cosine (see curve_mean).
+fn held_mean(held: HeldBack, alpha: vec2<f32>) -> f32 {
+    let powers = vec4<f32>(1.0, 4.0 / 5.0, 4.0 / 6.0, 4.0 / 7.0);
+    var sum = dot(held.all, powers);
+    if (alpha.x != alpha.y) {
+        sum += 0.5 * dot(held.across, powers) + HELD_BLEND_MEAN * dot(held.blended, powers);
+    }
+    return clamp(sum, 1e-6, 1.0);
 }
 
 /// The denser index over the rarer, within the fourth table.

@@ -157,6 +157,8 @@ struct Aspect {
     /// What the coat lets through; coat and sheen together.
     under_coat: f32,
     layers: f32,
+    /// What they hold back of a white metal's light.
+    held: f32,
     /// What the coat lets through by its own normal.
     under_own: f32,
     /// Albedo of a sheen of colour 1.
@@ -167,7 +169,7 @@ struct Aspect {
 
 /// By the side, the direction, whose cosine to the normal (z) is not negative, and its cosine to the coat's.
 fn aspect_at(material: Material, front: bool, w: vec3<f32>, coat_cosine: f32) -> Aspect {
-    var aspect = Aspect(0.0, 1.0, 1.0, 1.0, 0.0, vec3<f32>(0.0));
+    var aspect = Aspect(0.0, 1.0, 1.0, 0.0, 1.0, 0.0, vec3<f32>(0.0));
     if (!is_smooth(material)) {
         aspect.loss = loss_at(material, front, w);
     }
@@ -183,6 +185,7 @@ fn aspect_at(material: Material, front: bool, w: vec3<f32>, coat_cosine: f32) ->
             }
             aspect.sheen = curve_at(material.curves.sheen, w.z);
             aspect.layers = layers_through(material, aspect.under_coat, aspect.sheen);
+            aspect.held = held_at(material.curves.held, material.alpha, w);
         }
         aspect.through = aspect.layers * metallic_through(material, w, aspect.loss);
     }
@@ -225,7 +228,7 @@ fn lobe_chances(material: Material, front: bool, mu: f32, met: Aspect) -> Lobes 
         if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
             let f = fresnel_schlick_to(material.f0, material.f90, mu);
             facets *= met.layers * (max3(f) + 0.02 * max3(material.f90) + max3(material.transmit));
-            reflected = met.layers * reflected + PI * max3(material.reflectance * met.through)
+            reflected = met.layers * reflected + select(0.0, met.held, max3(material.held_back) > 0.0) + PI * max3(material.reflectance * met.through)
                 + max3(material.sheen) * (0.05 + met.sheen);
             transmitted *= met.layers;
             coat = 1.0 - met.under_own;

@@ -9,9 +9,9 @@
 // glTF's own layering goes by wo alone; these are reciprocal:
 //   diffuse: ρ T(wo) T(wi) / (π T_mean), T = what all layers let through (Ashikhmin and Shirley
 //     2000, with albedos in place of Schlick's F): white loses nothing;
-//   interface and its multiple bounces: times S(wo) S(wi) over what lies between the larger of them
-//     and mean S (layers_between), S = (1 - c E_coat)(1 - max sheen E_sheen): a white metal under a
-//     rough coat is white within 0.02, under a smooth one within 0.05.
+//   interface and its multiple bounces: times the lesser of S(wo) and S(wi), S = (1 - c E_coat)
+//     (1 - max sheen E_sheen). Of mirrored light this is what layers let through; what it takes from light
+//     that facets spread comes back of metals, by a table, as a lobe of its own: held_back(wo) held_back(wi).
 // A coat with a normal of its own is a lobe about that, and covers what is below as seen by that normal
 // from the camera (lib/bsdf_leaning.wgsl), as glTF has it.
 // Limits: sheen and coat cover the front of a solid alone; a solid has no diffuse base from within, and as a metal no multiple bounces.
@@ -35,9 +35,12 @@ fn finish_metallic(raw: RawMaterial, plain: Material) -> Material {
         material = metallic_bounces(raw, material);
     }
     let diffuse = raw.color * (dielectric * (1.0 - raw.transmission));
-    let through = metallic_through_mean(material);
-    material.layers_mean = through.w;
-    material.reflectance = diffuse * INV_PI / max(through.xyz, vec3<f32>(1e-4));
+    material.reflectance = diffuse * INV_PI / max(metallic_through_mean(material), vec3<f32>(1e-4));
+    if (holds_back(raw) && !is_smooth(material)) {
+        // It has met the metal more than once.
+        let metal = fresnel_schlick_mean(raw.color, vec3<f32>(1.0));
+        material.held_back = metal * metal * (raw.metallic * INV_PI / held_mean(material.curves.held, material.alpha));
+    }
     material.albedo = max(max(max3(raw.color), max3(material.base_f0)), max(max3(material.sheen), 0.25));
     let has_density = max3(diffuse) > 0.0 || max3(material.sheen) > 0.0 || (material.coat > 0.0 && material.coat_alpha > 0.0);
     if (has_density) {
@@ -67,27 +70,28 @@ fn layers_through(material: Material, under_coat: f32, sheen: f32) -> f32 {
     return under_coat * (1.0 - max3(material.sheen) * sheen);
 }
 
-/// What the coat and the sheen let through to the interface between two directions, by what they let
-/// through at each; symmetric. Between mirrored directions of narrow lobes min(S, S'), for lobes as wide
-/// as the hemisphere S S' / mean S: each lets through S.
-fn layers_between(material: Material, o: Met, i: Met) -> f32 {
-    if (!may_have(FEATURE_LAYERS)) {
-        return 1.0;
-    }
-    let width = saturate(1.5 * alpha_between(material.alpha, o.w.xy, i.w.xy));
-    let at_o = o.aspect.layers;
-    let at_i = i.aspect.layers;
-    return at_o * at_i / max(mix(max(at_o, at_i), material.layers_mean, width), 1e-4);
+/// What the coat and the sheen let through to the interface between two directions; symmetric.
+fn layers_between(o: Met, i: Met) -> f32 {
+    return min(o.aspect.layers, i.aspect.layers);
 }
 
-/// α along two directions, the more the longer they are along the surface; symmetric. Stretched facets
-/// seen across the larger reflect along a cone about it, where layers let through as little.
-fn alpha_between(alpha: vec2<f32>, o: vec2<f32>, i: vec2<f32>) -> f32 {
-    if (!may_have(FEATURE_ANISOTROPY) || alpha.x == alpha.y) {
-        return alpha.x;
+/// What layers do not let through at the cosines of the fifth table.
+fn held_at_nodes(raw: RawMaterial, albedos: Albedos) -> vec4<f32> {
+    return vec4<f32>(held_at_node(raw, albedos, HELD_NODE_0), held_at_node(raw, albedos, HELD_NODE_1),
+        held_at_node(raw, albedos, HELD_NODE_2), held_at_node(raw, albedos, HELD_NODE_3));
+}
+
+fn held_at_node(raw: RawMaterial, albedos: Albedos, mu: f32) -> f32 {
+    let coat = raw.k_or_coat.x * coat_albedo(albedos.coat, coat_alpha(raw), mu);
+    return 1.0 - (1.0 - coat) * (1.0 - max3(raw.eta_or_sheen.xyz) * curve_at(albedos.sheen, mu));
+}
+
+/// What a coat of strength 1 reflects.
+fn coat_albedo(curve: Curve, alpha: f32, mu: f32) -> f32 {
+    if (alpha > 0.0) {
+        return curve_at(curve, mu);
     }
-    let squares = o * o + i * i;
-    return sqrt(dot(alpha * alpha, squares) / max(squares.x + squares.y, 1e-20));
+    return fresnel_schlick(vec3<f32>(COAT_F0), mu).x;
 }
 
 /// Index 1.5.
@@ -103,10 +107,7 @@ fn coat_through(material: Material, mu: f32) -> f32 {
     if (!may_have(FEATURE_LAYERS)) {
         return 1.0;
     }
-    if (material.coat_alpha > 0.0) {
-        return 1.0 - material.coat * curve_at(material.curves.coat, mu);
-    }
-    return 1.0 - coat_fresnel(material, mu);
+    return 1.0 - material.coat * coat_albedo(material.curves.coat, material.coat_alpha, mu);
 }
 
 /// What the interface lets through to the base, for a direction with the loss there.
@@ -130,13 +131,12 @@ fn grazing_at(material: Material, w: vec3<f32>, loss: f32) -> f32 {
     return (1.0 - loss) * square * square * away;
 }
 
-/// What reaches the base, on average over the hemisphere, weighted by the cosine, and of layers alone (w).
-fn metallic_through_mean(material: Material) -> vec4<f32> {
-    var sum = vec4<f32>(0.0);
+/// What reaches the base, on average over the hemisphere, weighted by the cosine.
+fn metallic_through_mean(material: Material) -> vec3<f32> {
+    var sum = vec3<f32>(0.0);
     for (var i = 0u; i < n_mean_points(material); i += 1u) {
         let point = mean_point(material, i);
-        let met = aspect_at(material, true, point.w, point.w.z);
-        sum += point.weight * vec4<f32>(met.through, met.layers);
+        sum += point.weight * aspect_at(material, true, point.w, point.w.z).through;
     }
     return sum;
 }

@@ -85,7 +85,7 @@ fn lobe_terms(material: Material, front: bool, o: Met, i: Met) -> BsdfTerms {
         return transmitted_terms(material, front, o, i, terms);
     }
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS) && has_layers(material, front)) {
-        terms.f *= layers_between(material, o, i);
+        terms.f *= layers_between(o, i);
         if (!coat_leans(material)) {
             let coat = coat_terms(material, o.chances.coat, i.chances.coat, o.w, i.w);
             terms = BsdfTerms(terms.f + coat.f, terms.pdf_fwd + coat.pdf_fwd, terms.pdf_rev + coat.pdf_rev);
@@ -107,7 +107,7 @@ fn transmitted_terms(material: Material, front: bool, o: Met, i: Met, facets: Bs
     var f = facets.f + bounces;
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
         let outside = select(i.aspect.layers, o.aspect.layers, front);
-        f *= select(layers_between(material, o, i), outside, bends(material));
+        f *= select(layers_between(o, i), outside, bends(material));
     }
     return BsdfTerms(select(f, f / (eta * eta), bends(material)),
         facets.pdf_fwd + o.chances.transmitted * INV_PI * -i.w.z, facets.pdf_rev + i.chances.transmitted * INV_PI * o.w.z);
@@ -123,7 +123,7 @@ fn base_value(material: Material, front: bool, o: Met, i: Met) -> vec3<f32> {
         return f;
     }
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
-        f *= layers_between(material, o, i);
+        f = f * layers_between(o, i) + material.held_back * (o.aspect.held * i.aspect.held);
     }
     return f + material.reflectance * o.aspect.through * i.aspect.through; // nothing goes through but of these two
 }

@@ -77,11 +77,13 @@ struct Albedos {
     dense_mid: Curve,
     dense_high: Curve,
     dense_across: vec4<f32>,
+    /// What coat and sheen hold back (`holds_back`).
+    held: HeldBack,
 }
 
 fn no_albedos() -> Albedos {
     return Albedos(no_curve(), no_curve(), no_curve(), no_curve(), no_curve(), vec4<f32>(0.0), no_curve(), no_curve(), no_curve(),
-        vec4<f32>(0.0));
+        vec4<f32>(0.0), HeldBack(vec4<f32>(0.0), vec4<f32>(0.0), vec4<f32>(0.0)));
 }
 
 /// A surface at a point.
@@ -114,8 +116,8 @@ struct Material {
     coat_alpha: f32,
     sheen_alpha: f32,
     sheen: vec3<f32>,
-    /// What coat and sheen let through, on average over the hemisphere.
-    layers_mean: f32,
+    /// The factor of what they hold back (wo) times what they hold back (wi).
+    held_back: vec3<f32>,
     rotation: vec2<f32>,
     curves: Albedos,
 }
@@ -169,6 +171,12 @@ fn sheen_alpha(raw: RawMaterial) -> f32 {
     return clamp(raw.eta_or_sheen.w * raw.eta_or_sheen.w, MIN_SHEEN_ALPHA, 1.0);
 }
 
+/// Whether a coat or a sheen lies over a rough metal whose light is given back in full.
+fn holds_back(raw: RawMaterial) -> bool {
+    return may_have(FEATURE_LAYERS) && raw.kind == SURFACE_METALLIC_ROUGHNESS && raw.metallic > 0.0 && !has_inside(raw.flags)
+        && !is_single_bounce(raw.flags) && (raw.k_or_coat.x > 0.0 || max3(raw.eta_or_sheen.xyz) > 0.0);
+}
+
 /// Whether any curve is read.
 fn needs_albedos(raw: RawMaterial) -> bool {
     return may_have(FEATURE_INTERFACES) && raw.kind != SURFACE_DIFFUSE && raw.kind != SURFACE_NULL;
@@ -211,7 +219,7 @@ fn bends(material: Material) -> bool {
 fn plain_material(raw: RawMaterial) -> Material {
     let zero = vec3<f32>(0.0);
     return Material(raw.color, raw.kind, raw.emission, raw.ior, raw.flags | MATERIAL_CONNECTIBLE, max3(raw.color), vec2<f32>(0.0),
-        zero, zero, zero, zero, zero, zero, zero, zero, 0.0, zero, 0.0, 0.0, 0.0, zero, 1.0, raw.rotation,
+        zero, zero, zero, zero, zero, zero, zero, zero, 0.0, zero, 0.0, 0.0, 0.0, zero, zero, raw.rotation,
         no_albedos());
 }
 

@@ -7,7 +7,8 @@
 fn probe_albedos() -> Albedos {
     let loss = Curve(vec4<f32>(0.4, -0.5, 0.2, 0.0), vec4<f32>(0.0));
     let grazing = Curve(vec4<f32>(0.3, -0.2, 0.0, 0.0), vec4<f32>(0.0));
-    return Albedos(loss, grazing, loss, loss, grazing, vec4<f32>(0.1, 0.5, 0.2, 0.6), loss, grazing, loss, vec4<f32>(0.1, -0.2, 0.3, 0.1));
+    return Albedos(loss, grazing, loss, loss, grazing, vec4<f32>(0.1, 0.5, 0.2, 0.6), loss, grazing, loss, vec4<f32>(0.1, -0.2, 0.3, 0.1),
+        HeldBack(vec4<f32>(0.05, 0.1, -0.1, 0.02), vec4<f32>(0.02, -0.05, 0.03, 0.01), vec4<f32>(0.01, 0.03, -0.02, 0.01)));
 }
 
 fn probe_material(index: u32, u: vec4<f32>, colour: vec4<f32>) -> Material {
