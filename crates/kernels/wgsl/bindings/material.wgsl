@@ -185,7 +185,7 @@ fn load_held_back(alpha: vec2<f32>, at_nodes: vec4<f32>) -> HeldBack {
         let by_nodes = at_nodes * (select(1.0 - t.x, t.x, right == 1u) * select(1.0 - t.y, t.y, up == 1u));
         let at = HELD_AT + ((first.x + right) * HELD_RATIOS + first.y + up) * HELD_STRIDE;
         held.all += held_powers(at, by_nodes);
-        if (alpha.x != alpha.y) {
+        if (may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y) {
             held.across += held_powers(at + 1u, by_nodes);
             held.blended += held_powers(at + 2u, by_nodes);
         }

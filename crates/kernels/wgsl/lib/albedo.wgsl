@@ -160,7 +160,7 @@ fn held_at(held: HeldBack, alpha: vec2<f32>, w: vec3<f32>) -> f32 {
     let root = sqrt(max(w.z, 0.0));
     let powers = vec4<f32>(1.0, root, root * root, root * root * root);
     var sum = dot(held.all, powers);
-    if (alpha.x != alpha.y) {
+    if (may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y) {
         sum += stretched_blend(alpha, w, 1.0) * dot(held.across, powers) + stretched_blend(alpha, w, HELD_BLEND) * dot(held.blended, powers);
     }
     return clamp(sum, 0.0, 1.0);
@@ -170,7 +170,7 @@ fn held_at(held: HeldBack, alpha: vec2<f32>, w: vec3<f32>) -> f32 {
 fn held_mean(held: HeldBack, alpha: vec2<f32>) -> f32 {
     let powers = vec4<f32>(1.0, 4.0 / 5.0, 4.0 / 6.0, 4.0 / 7.0);
     var sum = dot(held.all, powers);
-    if (alpha.x != alpha.y) {
+    if (may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y) {
         sum += 0.5 * dot(held.across, powers) + HELD_BLEND_MEAN * dot(held.blended, powers);
     }
     return clamp(sum, 1e-6, 1.0);
