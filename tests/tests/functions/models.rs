@@ -96,6 +96,8 @@ pub fn all() -> Vec<Model> {
         ),
         model("velvet", rough(velvet, 0.8, 0.8), 0.02),
         model("thin, roughness 0.6", rough(clear, 0.6, 0.6), 0.02),
+        model("thin under a coat", coated(rough(clear, 0.6, 0.6), 1.0, 0.0), 0.02),
+        model("thin under velvet", RawMaterial { transmission: 1.0, ..rough(velvet, 0.6, 0.6) }, 0.02),
         model("half thin", RawMaterial { transmission: 0.5, ..rough(clear, 0.6, 0.6) }, 0.02),
         model("volume, roughness 0.6", rough(solid(clear, 1.5), 0.6, 0.6), 0.02),
         model("coated thin, smooth", coated(RawMaterial { transmission: 0.5, ..clear }, 0.7, 0.0), 0.02),

@@ -80,17 +80,18 @@ fn describe(adapter: &wgpu::Adapter, info: &wgpu::AdapterInfo) -> DeviceInfo {
         max_buffer_bytes,
         max_binding_bytes: (limits.max_storage_buffer_binding_size & !3).min(max_buffer_bytes),
         max_storage_buffers: limits.max_storage_buffers_per_shader_stage,
-        wide_workgroup: wide_workgroup(info, limits.max_compute_invocations_per_workgroup),
+        wide_workgroup: wide_workgroup(info, &limits),
     }
 }
 
-/// 512 of NVIDIA's share a processor's registers by 128, at which its compiler spills hardly anything of
-/// ours and shading takes a third to two fifths less than by 64 (measured on an H100). Software does the
-/// same, so that tests run it. Of others nothing is known; Metal's pipelines may take less.
-fn wide_workgroup(info: &wgpu::AdapterInfo, most: u32) -> u32 {
+/// 512 of NVIDIA's share a processor's registers by 128, so that more of them wait for memory at once than
+/// of 64 (measured on an H100: bench/NOTES.md, "Wide workgroups"). Software does the same, so that tests
+/// run it. Of others nothing is known; Metal's pipelines may take less.
+fn wide_workgroup(info: &wgpu::AdapterInfo, limits: &wgpu::Limits) -> u32 {
     /// Of PCI.
     const NVIDIA: u32 = 0x10de;
     let is_known = info.vendor == NVIDIA || info.device_type == DeviceType::Cpu;
+    let most = limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x);
     if is_known && most >= 512 { 512 } else { 64 }
 }
 

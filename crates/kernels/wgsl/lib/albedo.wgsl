@@ -85,8 +85,6 @@ const HELD_NODE_2: f32 = 0.25;
 const HELD_NODE_3: f32 = 0.6;
 /// q of the blend.
 const HELD_BLEND: f32 = 0.1;
-/// The mean of the blend over the azimuth, √q / (1 + √q).
-const HELD_BLEND_MEAN: f32 = 0.240253073;
 
 const ALBEDO_SIZE: u32 = HELD_AT + HELD_ALPHAS * HELD_RATIOS * HELD_STRIDE;
 
@@ -114,6 +112,24 @@ fn curve_mean(curve: Curve) -> f32 {
     let mean = dot(curve.low, vec4<f32>(1.0, 4.0 / 5.0, 4.0 / 6.0, 4.0 / 7.0))
         + dot(curve.high, vec4<f32>(4.0 / 8.0, 4.0 / 9.0, 4.0 / 10.0, 4.0 / 11.0));
     return clamp(mean, 1e-6, 1.0);
+}
+
+/// Facets below this α lose next to nothing but close to grazing: curves of it are below 0 here and there.
+const SMALL_ALPHA: f32 = 0.075;
+
+/// The mean of a curve of what facets of α lose, as `curve_at` has it: what it leaves out below 0 is no part
+/// of it. By the midpoint rule in √μ, where 2 μ dμ is 4 s³ ds.
+fn lost_mean(curve: Curve, alpha: f32) -> f32 {
+    if (alpha >= SMALL_ALPHA) {
+        return curve_mean(curve);
+    }
+    var sum = 0.0;
+    for (var i = 0u; i < 32u; i += 1u) {
+        let root = (f32(i) + 0.5) / 32.0;
+        let mu = root * root;
+        sum += mu * root * curve_at(curve, mu);
+    }
+    return clamp(sum / 8.0, 1e-6, 1.0);
 }
 
 /// The albedo of facets with Schlick's factor from f0 to 1, of CURVE_LOSS and CURVE_GRAZING.
@@ -166,14 +182,21 @@ fn held_at(held: HeldBack, alpha: vec2<f32>, w: vec3<f32>) -> f32 {
     return clamp(sum, 0.0, 1.0);
 }
 
-/// Its mean over the hemisphere, weighted by the cosine (see curve_mean).
+/// Its mean over the hemisphere, weighted by the cosine: the midpoint rule in √μ, where 2 μ dμ is 4 s³ ds,
+/// and in a quarter turn.
 fn held_mean(held: HeldBack, alpha: vec2<f32>) -> f32 {
-    let powers = vec4<f32>(1.0, 4.0 / 5.0, 4.0 / 6.0, 4.0 / 7.0);
-    var sum = dot(held.all, powers);
-    if (may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y) {
-        sum += 0.5 * dot(held.across, powers) + HELD_BLEND_MEAN * dot(held.blended, powers);
+    let azimuths = select(1u, 4u, may_have(FEATURE_ANISOTROPY) && alpha.x != alpha.y);
+    var sum = 0.0;
+    var weights = 0.0;
+    for (var i = 0u; i < 8u * azimuths; i += 1u) {
+        let root = (f32(i & 7u) + 0.5) / 8.0;
+        let mu = root * root;
+        let angle = (f32(i >> 3u) + 0.5) * (0.5 * PI) / f32(azimuths);
+        let weight = mu * root;
+        sum += weight * held_at(held, alpha, vec3<f32>(sqrt(1.0 - mu * mu) * vec2<f32>(cos(angle), sin(angle)), mu));
+        weights += weight;
     }
-    return clamp(sum, 1e-6, 1.0);
+    return max(sum / weights, 1e-6);
 }
 
 /// The denser index over the rarer, within the fourth table.

@@ -60,8 +60,8 @@ fn solid_bounces(plain: Material, f: f32, share: f32) -> Material {
         front = clamp(squares.x * squares.x, 1e-6, 1.0);
         back = clamp(squares.y * squares.y, 1e-6, 1.0);
     } else {
-        front = curve_mean(material.curves.a);
-        back = curve_mean(material.curves.b);
+        front = lost_mean(material.curves.a, material.alpha.x);
+        back = lost_mean(material.curves.b, material.alpha.x);
     }
     let n2 = max(material.ior * material.ior, 1.0 / (material.ior * material.ior));
     let a = select(front, back, dense_front);

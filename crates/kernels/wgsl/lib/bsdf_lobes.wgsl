@@ -113,7 +113,7 @@ fn loss_mean(material: Material) -> f32 {
     if (has_stretched_curves(material.alpha, material.flags)) {
         return clamp(material.curves.stretch.z, 1e-6, 1.0);
     }
-    return curve_mean(material.curves.a);
+    return lost_mean(material.curves.a, material.alpha.x);
 }
 
 /// The cosine by which stretched facets meet light of a direction, for the albedo with Fresnel's factor
@@ -228,9 +228,10 @@ fn lobe_chances(material: Material, front: bool, mu: f32, met: Aspect) -> Lobes 
         if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
             let f = fresnel_schlick_to(material.f0, material.f90, mu);
             facets *= met.layers * (max3(f) + 0.02 * max3(material.f90) + max3(material.transmit));
-            reflected = met.layers * reflected + select(0.0, met.held, max3(material.held_back) > 0.0) + PI * max3(material.reflectance * met.through)
+            let held = met.held / max(max3(material.held_back) + max3(material.held_transmit), 1e-30);
+            reflected = met.layers * reflected + held * max3(material.held_back) + PI * max3(material.reflectance * met.through)
                 + max3(material.sheen) * (0.05 + met.sheen);
-            transmitted *= met.layers;
+            transmitted = met.layers * transmitted + held * max3(material.held_transmit);
             coat = 1.0 - met.under_own;
             if (coat_leans(material)) {
                 let under = met.under_own / max(met.under_coat, LEAST_THROUGH);

@@ -11,7 +11,8 @@
 //     2000, with albedos in place of Schlick's F): white loses nothing;
 //   interface and its multiple bounces: times the lesser of S(wo) and S(wi), S = (1 - c E_coat)
 //     (1 - max sheen E_sheen). Of mirrored light this is what layers let through; what it takes from light
-//     that facets spread comes back of metals, by a table, as a lobe of its own: held_back(wo) held_back(wi).
+//     that facets spread comes back of metals and of thin sheets, by a table, as a lobe of its own:
+//     held_back(wo) held_back(wi).
 // A coat with a normal of its own is a lobe about that, and covers what is below as seen by that normal
 // from the camera (lib/bsdf_leaning.wgsl), as glTF has it.
 // Limits: sheen and coat cover the front of a solid alone; a solid has no diffuse base from within, and as a metal no multiple bounces.
@@ -37,9 +38,13 @@ fn finish_metallic(raw: RawMaterial, plain: Material) -> Material {
     let diffuse = raw.color * (dielectric * (1.0 - raw.transmission));
     material.reflectance = diffuse * INV_PI / max(metallic_through_mean(material), vec3<f32>(1e-4));
     if (holds_back(raw) && !is_smooth(material)) {
+        let scale = INV_PI / held_mean(material.curves.held, material.alpha);
         // It has met the metal more than once.
         let metal = fresnel_schlick_mean(raw.color, vec3<f32>(1.0));
-        material.held_back = metal * metal * (raw.metallic * INV_PI / held_mean(material.curves.held, material.alpha));
+        material.held_back = metal * metal * (raw.metallic * scale);
+        if (!bends(material)) {
+            material.held_transmit = material.transmit * (vec3<f32>(1.0) - fresnel_schlick_mean(material.base_f0, vec3<f32>(material.base_f90))) * scale;
+        }
     }
     material.albedo = max(max(max3(raw.color), max3(material.base_f0)), max(max3(material.sheen), 0.25));
     let has_density = max3(diffuse) > 0.0 || max3(material.sheen) > 0.0 || (material.coat > 0.0 && material.coat_alpha > 0.0);

@@ -107,7 +107,7 @@ fn transmitted_terms(material: Material, front: bool, o: Met, i: Met, facets: Bs
     var f = facets.f + bounces;
     if (is_kind(material.kind, SURFACE_METALLIC_ROUGHNESS, FEATURE_METALLIC_ROUGHNESS)) {
         let outside = select(i.aspect.layers, o.aspect.layers, front);
-        f *= select(layers_between(o, i), outside, bends(material));
+        f = f * select(layers_between(o, i), outside, bends(material)) + material.held_transmit * (o.aspect.held * i.aspect.held);
     }
     return BsdfTerms(select(f, f / (eta * eta), bends(material)),
         facets.pdf_fwd + o.chances.transmitted * INV_PI * -i.w.z, facets.pdf_rev + i.chances.transmitted * INV_PI * o.w.z);

@@ -116,8 +116,10 @@ struct Material {
     coat_alpha: f32,
     sheen_alpha: f32,
     sheen: vec3<f32>,
-    /// The factor of what they hold back (wo) times what they hold back (wi).
+    /// The factors of what coat and sheen hold back (wo) times what they hold back (wi), that comes back
+    /// as reflected and as transmitted.
     held_back: vec3<f32>,
+    held_transmit: vec3<f32>,
     rotation: vec2<f32>,
     curves: Albedos,
 }
@@ -171,10 +173,11 @@ fn sheen_alpha(raw: RawMaterial) -> f32 {
     return clamp(raw.eta_or_sheen.w * raw.eta_or_sheen.w, MIN_SHEEN_ALPHA, 1.0);
 }
 
-/// Whether a coat or a sheen lies over a rough metal whose light is given back in full.
+/// Whether a coat or a sheen lies over a rough metal or a thin sheet whose light is given back in full.
 fn holds_back(raw: RawMaterial) -> bool {
-    return may_have(FEATURE_LAYERS) && raw.kind == SURFACE_METALLIC_ROUGHNESS && raw.metallic > 0.0 && !has_inside(raw.flags)
-        && !is_single_bounce(raw.flags) && (raw.k_or_coat.x > 0.0 || max3(raw.eta_or_sheen.xyz) > 0.0);
+    let of_use = raw.metallic > 0.0 || (raw.transmission > 0.0 && !has_inside(raw.flags));
+    return may_have(FEATURE_LAYERS) && raw.kind == SURFACE_METALLIC_ROUGHNESS && of_use && !is_single_bounce(raw.flags)
+        && (raw.k_or_coat.x > 0.0 || max3(raw.eta_or_sheen.xyz) > 0.0);
 }
 
 /// Whether any curve is read.
@@ -219,7 +222,7 @@ fn bends(material: Material) -> bool {
 fn plain_material(raw: RawMaterial) -> Material {
     let zero = vec3<f32>(0.0);
     return Material(raw.color, raw.kind, raw.emission, raw.ior, raw.flags | MATERIAL_CONNECTIBLE, max3(raw.color), vec2<f32>(0.0),
-        zero, zero, zero, zero, zero, zero, zero, zero, 0.0, zero, 0.0, 0.0, 0.0, zero, zero, raw.rotation,
+        zero, zero, zero, zero, zero, zero, zero, zero, 0.0, zero, 0.0, 0.0, 0.0, zero, zero, zero, raw.rotation,
         no_albedos());
 }
 

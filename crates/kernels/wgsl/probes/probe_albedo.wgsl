@@ -17,7 +17,11 @@ fn probe_albedo(@builtin(global_invocation_id) id: vec3<u32>) {
     let raw = RawMaterial(id.x % 6u, id.x % 64u, a.xyz, b.xyz, 1.5, u.xyz, u.w, u.xy, u.z, u.w, u, a.xyz, u.xy);
     let needs = vec2<f32>(f32(needs_albedos(raw)), f32(needs_dielectric_losses(raw)));
     let schlick = schlick_albedo(u.x, Curve(a, b), Curve(b, a));
-    probe_output(id.x, 3u, schlick.low + schlick.high * u.y);
+    var layers = no_albedos();
+    layers.coat = Curve(0.2 * u, vec4<f32>(0.0));
+    layers.sheen = Curve(0.2 * u.wzyx, vec4<f32>(0.0));
+    let held = held_at_nodes(raw, layers) + vec4<f32>(held_place(u.zw + 0.1), 0.0, 0.0);
+    probe_output(id.x, 3u, schlick.low + schlick.high * u.y + held);
     let w = normalize(vec3<f32>(a.xy, 0.1 + abs(a.z)));
     let two = u.zw + 0.1;
     let stretched = stretched_cosine(u.zw, w) + stretched_blend(u.zw, w, 0.1 + u.x);

@@ -28,8 +28,8 @@
 //! - if there are buffers, `pub const BINDINGS: &[Binding]`, sorted by slot, and `Globals`, made of
 //!   [`Storage`](crate::Storage)s in that order;
 //! - if there is an entry point, `pub const WORKGROUP_SIZE: u32`, `pub const WORKGROUP_OVERRIDE:
-//!   Option<&str>` (as in [`Kernel`](crate::Kernel)) and `pub unsafe fn entry(bindings: &[Storage<'_>], invocations: Invocations)`, a
-//!   [`NativeEntry`](crate::NativeEntry).
+//!   Option<&str>` (as in [`Kernel`](crate::Kernel)) and `pub unsafe fn entry(bindings:
+//!   &[Storage<'_>], invocations: Invocations)`, a [`NativeEntry`](crate::NativeEntry).
 //!
 //! A module with an entry point is cut down to what that reaches: functions, constants and
 //! bindings that it does not use are left out. A module without one is a library: all is kept.
