@@ -1,5 +1,7 @@
 //! Random inputs, and the way between the kernels' vectors and f64.
 
+use std::ops::{Add, Mul};
+
 use glam::DVec3;
 use midway_kernels::{
     ALBEDO_TABLES,
@@ -144,16 +146,10 @@ fn table(at: u32) -> Curve {
 
 /// The third table between its entries.
 fn stretched(plain: Albedos, alpha: Vec2<f32>) -> Albedos {
-    let place = lib::stretched_place(alpha);
-    let first = [(place.x as u32).min(lib::ALBEDO_ALPHAS - 2), (place.y as u32).min(lib::ALBEDO_RATIOS - 2)];
-    let [t, u] = [place.x - first[0] as f32, place.y - first[1] as f32];
     let number = |word: u32| {
-        let at = |alpha: u32, ratio: u32| {
-            let entry = (first[1] + ratio) * lib::ALBEDO_ALPHAS + first[0] + alpha;
-            row(lib::STRETCHED_AT + entry * lib::STRETCHED_STRIDE + word)
-        };
-        let between = |ratio| at(0, ratio) * (1.0 - t) + at(1, ratio) * t;
-        between(0) * (1.0 - u) + between(1) * u
+        bilinear(lib::stretched_place(alpha), [lib::ALBEDO_ALPHAS, lib::ALBEDO_RATIOS], |alpha, ratio| {
+            row(lib::STRETCHED_AT + (ratio * lib::ALBEDO_ALPHAS + alpha) * lib::STRETCHED_STRIDE + word)
+        })
     };
     let curve = |word| Curve { low: number(word), high: number(word + 1) };
     Albedos { a: curve(0), across: curve(2), b: curve(4), stretch: number(6), ..plain }
@@ -194,21 +190,28 @@ fn solid(plain: Albedos, alpha: Vec2<f32>, ior: f32) -> Albedos {
 
 /// The fifth.
 fn held_back(alpha: Vec2<f32>, at_nodes: Vec4<f32>) -> HeldBack {
-    let place = lib::held_place(alpha);
-    let first = [(place.x as u32).min(lib::HELD_ALPHAS - 2), (place.y as u32).min(lib::HELD_RATIOS - 2)];
-    let [t, u] = [place.x - first[0] as f32, place.y - first[1] as f32];
     let number = |word: u32| {
-        let at = |alpha: u32, ratio: u32| {
-            let entry = (first[0] + alpha) * lib::HELD_RATIOS + first[1] + ratio;
-            dot(row(lib::HELD_AT + entry * lib::HELD_STRIDE + word), at_nodes)
-        };
-        let between = |ratio| at(0, ratio) * (1.0 - t) + at(1, ratio) * t;
-        between(0) * (1.0 - u) + between(1) * u
+        bilinear(lib::held_place(alpha), [lib::HELD_ALPHAS, lib::HELD_RATIOS], |alpha, ratio| {
+            let factors = row(lib::HELD_AT + (alpha * lib::HELD_RATIOS + ratio) * lib::HELD_STRIDE + word);
+            dot(factors, at_nodes)
+        })
     };
     let powers = |function| {
         Vec4::new(number(function), number(function + 3), number(function + 6), number(function + 9))
     };
     HeldBack { all: powers(0), across: powers(1), blended: powers(2) }
+}
+
+/// What a table of that many columns and rows says between its entries.
+fn bilinear<T: Add<Output = T> + Mul<f32, Output = T>>(
+    place: Vec2<f32>,
+    sizes: [u32; 2],
+    entry: impl Fn(u32, u32) -> T,
+) -> T {
+    let [x, y] = [(place.x as u32).min(sizes[0] - 2), (place.y as u32).min(sizes[1] - 2)];
+    let [t, u] = [place.x - x as f32, place.y - y as f32];
+    let between = |y| entry(x, y) * (1.0 - t) + entry(x + 1, y) * t;
+    between(y) * (1.0 - u) + between(y + 1) * u
 }
 
 fn between(place: f32, entries: u32, entry: impl Fn(u32) -> Curve) -> Curve {

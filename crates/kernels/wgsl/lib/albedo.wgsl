@@ -15,7 +15,7 @@
 // lost, where the smaller α is under a tenth of the larger within 0.03. Limits: nothing is fitted under a
 // cosine of 0.02; losses there are off by up to 0.05 at 0.01, 0.4 at 0.001.
 //
-// What a coat and a sheen hold back of the light of facets below them (tests/src/held_back.rs, within 0.02): a
+// What a coat and a sheen hold back of the light of facets below them (tests/src/held_back.rs, within 0.021): a
 // cubic in √μ times functions of the azimuth, whose coefficients are sums over four cosines of what the
 // layers do not let through there.
 
