@@ -9,6 +9,12 @@ use crate::{FilterKind, Integrator, Join, JoinChoice, Mis, PackedScene, RenderSe
 /// Survival at y_0 in single-step without next-event estimation, where y_0 may be an end.
 const EMITTER_SURVIVAL: f32 = 0.75;
 
+/// What roulette leaves the throughput of a camera path with, at least: the least error at equal time on
+/// the scenes of this repository and Sponza (bench/NOTES.md). Where paths are joined, the long ones have
+/// less to bring.
+const LEAST_THROUGHPUT: f32 = 0.2;
+const LEAST_THROUGHPUT_JOINED: f32 = 0.4;
+
 /// The constants of a whole render; batches fill in their own.
 pub fn base_params(
     settings: &RenderSettings,
@@ -44,6 +50,11 @@ pub fn base_params(
         clamp: settings.clamp.unwrap_or(f32::INFINITY),
         splat_factor: if integrator.uses_splat() { n_light_paths as f32 } else { 0.0 },
         emitter_survival: if single_step_alone { EMITTER_SURVIVAL } else { 1.0 },
+        least_throughput: if integrator.joins().is_some() {
+            LEAST_THROUGHPUT_JOINED
+        } else {
+            LEAST_THROUGHPUT
+        },
         n_light_paths,
         camera_medium: packed.camera_medium,
         only_s: settings.one_strategy.map_or(0, |one| one.s),

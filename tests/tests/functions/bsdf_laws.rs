@@ -311,6 +311,32 @@ fn survival_is_a_chance_below_one() {
 }
 
 #[test]
+fn roulette_leaves_the_least_throughput() {
+    const LEAST: f32 = 0.25;
+    let surfaces = [diffuse([0.5; 3]), mirror([1.0; 3]), glass([1.0; 3], 1.5)];
+    for (material, throughput, depth) in surfaces
+        .iter()
+        .flat_map(|m| [1e-3, 0.1, 0.6, 40.0].map(|t| (m, t)))
+        .flat_map(|(m, t)| [0, 30].map(|d| (*m, t, d)))
+    {
+        let chance = lib::survival_by_throughput(material, throughput, LEAST, depth);
+        let case = format!("{throughput} at {depth}, {material:?}");
+        let sent_on = lib::survival(material) * throughput;
+        let most = if depth < lib::SURE_VERTICES { 1.0 } else { lib::most_survival(material) };
+        assert!(chance > 0.0 && chance <= most, "{case}: {chance}");
+        if sent_on < LEAST * most {
+            assert_near(f64::from(sent_on / chance), f64::from(LEAST), 1e-6, &case);
+        } else {
+            assert_eq!(chance, most, "{case}");
+        }
+    }
+    // Black ends every path, and no number none.
+    assert_eq!(lib::survival_by_throughput(diffuse([0.0; 3]), 1.0, LEAST, 0), 0.0);
+    let of_none = lib::survival_by_throughput(diffuse([0.5; 3]), f32::NAN, LEAST, 30);
+    assert_eq!(of_none, lib::MAX_SURVIVAL);
+}
+
+#[test]
 fn emission_is_on_the_sides_that_emit() {
     let mut light = diffuse([0.0; 3]);
     light.emission = Vec3::splat(3.0);

@@ -181,8 +181,15 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "roulette-not-divided-by-survival",
         file: "bindings/vertex.wgsl",
-        find: "scattered.weight / vertex.survival;",
+        find: "scattered.weight / survival;",
         replace: "scattered.weight;",
+        caught_by: LIT_SPHERE,
+    },
+    Mutant {
+        name: "roulette-divided-by-another-survival",
+        file: "bindings/camera_step.wgsl",
+        find: "scatter(path, vertex, survival, factor",
+        replace: "scatter(path, vertex, vertex.survival, factor",
         caught_by: LIT_SPHERE,
     },
     Mutant {

@@ -18,11 +18,21 @@ fn step_camera(path: Path, vertex: Vertex) -> Path {
         sample_light(path, vertex);
     }
     let u = scatter_numbers(path, 0u);
-    if (u.w >= vertex.survival || !length_allowed(0u, t + 1u)) {
+    let survival = camera_survival(path, vertex);
+    if (u.w >= survival || !length_allowed(0u, t + 1u)) {
         return ended(path);
     }
     let factor = camera_previous_factor(mis_config(), t, vertex.mis, vertex.ending);
-    return scatter(path, vertex, factor, u.xyz, TRANSPORT_RADIANCE);
+    return scatter(path, vertex, survival, factor, u.xyz, TRANSPORT_RADIANCE);
+}
+
+/// Chance that roulette spares a camera path: by its throughput, but in single-step, whose join needs the
+/// chance of an end to be that which MIS counts.
+fn camera_survival(path: Path, vertex: Vertex) -> f32 {
+    if (params.join == JOIN_SINGLE_STEP) {
+        return vertex.survival;
+    }
+    return survival_by_throughput(vertex.material, max3(vertex.throughput), params.least_throughput, path.depth);
 }
 
 /// Strategy (0, t): the path hit a light.

@@ -30,5 +30,5 @@ fn step_light(path: Path, hit: Hit) -> Path {
         return ended(path);
     }
     let factor = light_previous_factor(mis_config(), s, vertex.mis, vertex.ending);
-    return scatter(path, vertex, factor, u.xyz, TRANSPORT_IMPORTANCE);
+    return scatter(path, vertex, vertex.survival, factor, u.xyz, TRANSPORT_IMPORTANCE);
 }

@@ -63,6 +63,8 @@ struct Params {
     splat_factor: f32,
     /// Survival at y_0.
     emitter_survival: f32,
+    /// The throughput that roulette leaves a camera path with at least; not in single-step.
+    least_throughput: f32,
     /// Light paths that joins draw from.
     n_light_paths: u32,
     /// The medium (material) that the camera is in, or NONE.

@@ -8,7 +8,7 @@ struct Vertex {
     /// Throughput on arrival, in one channel where the material disperses.
     throughput: vec3<f32>,
     mis: MisState,
-    /// Survival at roulette.
+    /// Survival as MIS counts it; that of roulette but on a camera path, see `camera_survival`.
     survival: f32,
     /// Its chance of being an end, as it enters MIS factors.
     ending: f32,
@@ -71,9 +71,9 @@ fn scatter_numbers(path: Path, stream: u32) -> vec4<f32> {
     return random(path.index, path.sample, dimension(stream + DRAW_SCATTER, path.depth));
 }
 
-/// Sends a path on from a vertex that roulette spared; its throughput is 0 where nothing was
-/// sampled. `factor`: c of the strategy that ends at the vertex before (lib/mis.wgsl).
-fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> Path {
+/// Sends a path on from a vertex that roulette spared with a chance of `survival`; its throughput is 0 where
+/// nothing was sampled. `factor`: c of the strategy that ends at the vertex before (lib/mis.wgsl).
+fn scatter(path: Path, vertex: Vertex, survival: f32, factor: f32, u: vec3<f32>, mode: u32) -> Path {
     let surface = vertex.surface;
     let scattered = bsdf_sample(vertex.material, frame_of(surface), vertex.wo, u, mode);
     var next = path;
@@ -83,7 +83,7 @@ fn scatter(path: Path, vertex: Vertex, factor: f32, u: vec3<f32>, mode: u32) -> 
     }
     let config = mis_config();
     let cos_out = abs(dot(surface.ng, scattered.wi));
-    let weight = scattered.weight / vertex.survival; // > 0: roulette spared the path
+    let weight = scattered.weight / survival; // > 0: roulette spared the path
     if (scattered.is_delta) {
         next.mis = mis_scatter_delta(config, vertex.mis, cos_out, vertex.ending);
     } else {

@@ -17,6 +17,8 @@ const MAX_SURVIVAL: f32 = 0.95;
 const DELTA_SURVIVAL: f32 = 0.98;
 /// Survival where the albedo bound says little: it grows towards grazing.
 const MIN_SURVIVAL: f32 = 0.25;
+/// Vertices of a path at which roulette by throughput may be certain to spare it; later it never is.
+const SURE_VERTICES: u32 = 8u;
 
 struct BsdfSample {
     wi: vec3<f32>,
@@ -45,8 +47,8 @@ fn is_diffuse(material: Material) -> bool {
     return !may_have(FEATURE_INTERFACES) || material.kind == SURFACE_DIFFUSE;
 }
 
-/// Chance of going on from a vertex: of position and material alone, because recursive MIS needs it
-/// in reverse.
+/// Chance of going on from a vertex as MIS counts it: of position and material alone, because recursive
+/// MIS needs it in reverse.
 fn survival(material: Material) -> f32 {
     if (is_diffuse(material)) {
         return min(material.albedo, MAX_SURVIVAL);
@@ -54,7 +56,21 @@ fn survival(material: Material) -> f32 {
     if (material.kind == SURFACE_NULL) {
         return DELTA_SURVIVAL;
     }
-    return clamp(material.albedo, MIN_SURVIVAL, select(DELTA_SURVIVAL, MAX_SURVIVAL, is_connectible(material)));
+    return clamp(material.albedo, MIN_SURVIVAL, most_survival(material));
+}
+
+fn most_survival(material: Material) -> f32 {
+    return select(DELTA_SURVIVAL, MAX_SURVIVAL, is_connectible(material));
+}
+
+/// Chance that roulette by throughput spares a path that arrives at its surface vertex number `depth` (from
+/// 0) with this throughput (its largest component): where the albedo takes that below `least`, it is left
+/// with `least`, as by the lower bound of a weight window (Booth and Hendricks 1984). Weights of MIS do not
+/// go by it: they share a path out among its strategies by `survival`, and any shares that add up to 1 will do.
+fn survival_by_throughput(material: Material, throughput: f32, least: f32, depth: u32) -> f32 {
+    let most = select(most_survival(material), 1.0, depth < SURE_VERTICES);
+    let chance = survival(material) * throughput / least; // least > 0: a constant of the integrator
+    return select(most, chance, chance < most); // a throughput that is no number goes on, to be counted
 }
 
 /// Whether light on wo's side is absorbed.

@@ -42,6 +42,6 @@ fn probe_bsdf(@builtin(global_invocation_id) id: vec3<u32>) {
     probe_output(id.x, 1u, vec4<f32>(sampled.weight, f32(sampled.is_delta) + 2.0 * f32(sampled.transmitted)));
     let terms = bsdf_terms(material, frame, wo, sampled.wi, mode);
     probe_output(id.x, 2u, vec4<f32>(terms.f, terms.pdf_fwd));
-    probe_output(id.x, 3u, vec4<f32>(survival(material), adjoint_cosines(frame, wo, sampled.wi, mode), terms.pdf_rev,
+    probe_output(id.x, 3u, vec4<f32>(survival_by_throughput(material, u.x, 0.4, id.x % 16u), adjoint_cosines(frame, wo, sampled.wi, mode), terms.pdf_rev,
         fresnel_dielectric(u.w, material.ior).x));
 }
