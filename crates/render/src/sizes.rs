@@ -24,13 +24,16 @@ const VERTEX_ROOM_LEAST: u32 = 1024;
 /// bounces weighs…
 pub const MOST_PLACES: u32 = 64;
 /// … and at least, where places take memory…
-const LEAST_PLACES: u32 = 4;
+const LEAST_PLACES: u32 = 2;
 /// … of which there are so many bytes for each path in flight where they keep light vertices, 768 MiB in all…
-const BYTES_OF_VERTICES: f64 = 1536.0;
+const BYTES_OF_VERTICES: f64 = 768.0;
 /// … and so many where they take two words alone.
 const BYTES_OF_WORDS: f64 = 128.0;
 /// Of a software GPU, which has no tail to speak of.
 const PLACES_OF_SOFTWARE: u32 = 4;
+/// Joins in a bounce that there is room for, for each path in flight, where there may be more. What finds none waits
+/// for the next bounce: few do, as only part of the paths are at a surface that faces much of their light path.
+const JOINS_OF_A_PATH: u32 = 4;
 /// Batches smaller than this are not tried on a device that is too small.
 const SMALLEST_BATCH: u32 = 4096;
 
@@ -60,13 +63,12 @@ impl Sizes {
         most_places: u32,
     ) -> Result<Self, RenderError> {
         let integrator = &settings.integrator;
-        let keeps_vertices = integrator.joins().is_some() && !integrator.uses_pool();
         let mut n_paths = match device.kind {
             // A batch's end is no thinner than its middle there, and its buffers are to stay in caches.
             DeviceKind::Cpu => 1024,
             DeviceKind::SoftwareGpu => 16_384,
-            DeviceKind::Gpu if keeps_vertices => 1 << 19,
-            DeviceKind::Gpu => 1 << 20,
+            DeviceKind::Gpu if integrator.uses_light_paths() => 1 << 20,
+            DeviceKind::Gpu => 1 << 21,
         };
         let places_per_path = match device.kind {
             DeviceKind::Cpu => 1,
@@ -163,15 +165,15 @@ fn lane_size(
     LaneSize { n_paths, n_places, n_shadow_rays: shadow_rays(integrator), append_at, append_capacity }
 }
 
-/// Shadow rays of a path in one bounce, at most: its joins and a light sample, or the projections of two
-/// light vertices.
+/// Shadow rays in a bounce, for each path in flight, at most: the joins that can be listed and a light sample, or
+/// the projections of two light vertices.
 fn shadow_rays(integrator: &IntegratorSettings) -> u32 {
     match integrator.joins() {
         None if integrator.uses_light_paths() => 2,
         None => 1,
         Some(Join::SingleStep) => 2,
-        Some(Join::KStep) => 1 + integrator.k.min(k::CONNECTIONS_PER_BOUNCE),
-        Some(Join::Full) => 1 + k::CONNECTIONS_PER_BOUNCE,
+        Some(Join::KStep) => 1 + integrator.k.min(JOINS_OF_A_PATH),
+        Some(Join::Full) => 1 + JOINS_OF_A_PATH,
     }
 }
 
@@ -229,7 +231,7 @@ mod tests {
         let full = IntegratorSettings { integrator: Integrator::Bdpt, ..path };
         let k_step = |k| IntegratorSettings { join: Join::KStep, k, ..full };
         assert_eq!(places(path, 0.0), MOST_PLACES);
-        assert_eq!(places(full, 2.5), 8);
+        assert_eq!(places(full, 2.5), 4);
         assert_eq!(places(full, 100.0), LEAST_PLACES);
         assert!(places(k_step(1), 2.5) > places(k_step(3), 2.5));
         assert_eq!(places(k_step(u32::MAX / 8), 2.5), LEAST_PLACES);

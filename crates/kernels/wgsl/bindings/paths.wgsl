@@ -20,8 +20,7 @@ struct Path {
     direction: vec3<f32>,
     /// Surface vertices so far.
     depth: u32,
-    /// Joins of the vertex just hit that are already listed, where it has more than CONNECTIONS_PER_BOUNCE; 0
-    /// otherwise.
+    /// While joins of the vertex just hit wait to be listed, how many of them are, and one more; 0 otherwise.
     joined: u32,
     /// The first segment of a subpath that starts with parallel rays, at an infinite light or a camera:
     /// the density of its end has no inverse square in it.
