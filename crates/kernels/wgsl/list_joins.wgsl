@@ -82,6 +82,9 @@ fn list_joins(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (listed < n_found) {
         joined = first + ((numbers >> (4u * listed)) & 15u) + 1u;
     }
+    if (joined != 0u) {
+        atomicAdd(&counters[COUNT_WAITING], 1u);
+    }
     if (joined != path.joined) {
         path.joined = joined;
         store_path(id, path);

@@ -25,7 +25,8 @@ fn plan_queue(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if (length > 0u) {
         atomicAdd(&counters[COUNT_BOUNCES], 1u);
     }
-    count_rays(length);
+    count_rays(length - atomicLoad(&counters[COUNT_WAITING]));
+    atomicStore(&counters[COUNT_WAITING], 0u);
     plan_shadow_rays();
     if (params.append_transient != 0u) {
         let n_vertices = atomicLoad(&counters[COUNT_VERTICES]);

@@ -63,7 +63,7 @@ struct Params {
     splat_factor: f32,
     /// Survival at y_0.
     emitter_survival: f32,
-    /// The throughput that roulette leaves a camera path with at least; not in single-step.
+    /// The throughput that roulette by throughput leaves a camera path with (survival_by_throughput).
     least_throughput: f32,
     /// Light paths that joins draw from.
     n_light_paths: u32,

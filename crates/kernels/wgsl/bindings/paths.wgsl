@@ -4,7 +4,7 @@
 /// vec4 per path.
 const PATH_STRIDE: u32 = 5u;
 
-/// Bits of the word of counts: 15 for the depth, one for parallel, 16 for the joins made.
+/// Bits of the word of counts: 15 for the depth, one for parallel, 16 for `joined`.
 const DEPTH_MASK: u32 = 0x7fffu;
 const PARALLEL_BIT: u32 = 0x8000u;
 

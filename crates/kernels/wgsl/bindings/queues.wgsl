@@ -26,14 +26,16 @@ const COUNT_FRONT: u32 = 10u;
 const COUNT_JOINS: u32 = 11u;
 /// Bounces that had a path in the queue.
 const COUNT_BOUNCES: u32 = 12u;
+/// Queued paths that wait with joins to be listed: they trace no ray.
+const COUNT_WAITING: u32 = 13u;
 /// Rays traced in all: two words.
-const COUNT_RAYS_LOW: u32 = 13u;
-const COUNT_RAYS_HIGH: u32 = 14u;
+const COUNT_RAYS_LOW: u32 = 14u;
+const COUNT_RAYS_HIGH: u32 = 15u;
 /// Contributions that were NaN, infinite or negative, and film sums that overflowed.
-const COUNT_REJECTED: u32 = 15u;
-const COUNT_OVERFLOW: u32 = 16u;
+const COUNT_REJECTED: u32 = 16u;
+const COUNT_OVERFLOW: u32 = 17u;
 /// How many counters there are.
-const N_COUNTERS: u32 = 17u;
+const N_COUNTERS: u32 = 18u;
 
 fn queue_length() -> u32 {
     return atomicLoad(&counters[COUNT_IN]);

@@ -11,7 +11,8 @@
 const TRANSPORT_RADIANCE: u32 = 0u;
 const TRANSPORT_IMPORTANCE: u32 = 1u;
 
-/// Survival at roulette where the next connection is possible; below 1 so that every path ends.
+/// Survival at roulette where the next connection is possible; below 1 so that every path ends. Roulette by
+/// throughput may go beyond at a path's first vertices.
 const MAX_SURVIVAL: f32 = 0.95;
 /// Survival at delta surfaces: below 1 too, or light caught between mirrors would never end.
 const DELTA_SURVIVAL: f32 = 0.98;
@@ -65,12 +66,14 @@ fn most_survival(material: Material) -> f32 {
 
 /// Chance that roulette by throughput spares a path that arrives at its surface vertex number `depth` (from
 /// 0) with this throughput (its largest component): where the albedo takes that below `least`, it is left
-/// with `least`, as by the lower bound of a weight window (Booth and Hendricks 1984). Weights of MIS do not
-/// go by it: they share a path out among its strategies by `survival`, and any shares that add up to 1 will do.
+/// with about `least`, as by the lower bound of a weight window (Booth and Hendricks 1984). Weights of MIS do
+/// not go by it: they share a path out among its strategies by `survival`, and any shares that add up to 1 will
+/// do. A multiple of what random numbers are multiples of, so that it is the chance of one below it.
 fn survival_by_throughput(material: Material, throughput: f32, least: f32, depth: u32) -> f32 {
     let most = select(most_survival(material), 1.0, depth < SURE_VERTICES);
     let chance = survival(material) * throughput / least; // least > 0: a constant of the integrator
-    return select(most, chance, chance < most); // a throughput that is no number goes on, to be counted
+    // A throughput that is no number goes on, to be counted.
+    return select(most, ceil(chance * UNIT_STEPS) / UNIT_STEPS, chance < most);
 }
 
 /// Whether light on wo's side is absorbed.

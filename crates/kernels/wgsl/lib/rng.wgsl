@@ -46,9 +46,12 @@ fn draw_bits(path: u32, sample: u32, dim: u32, seed: u32) -> vec4<u32> {
     return pcg4d(vec4<u32>(path, sample, mix32(dim), seed));
 }
 
+/// How many values a unit float can have: multiples of 1 / UNIT_STEPS, exact in a float.
+const UNIT_STEPS: f32 = 16777216.0;
+
 /// Uniform in [0, 1): 24 bits, so never 1.
 fn unit_float(bits: vec4<u32>) -> vec4<f32> {
-    return vec4<f32>(bits >> vec4<u32>(8u)) * (1.0 / 16777216.0);
+    return vec4<f32>(bits >> vec4<u32>(8u)) * (1.0 / UNIT_STEPS);
 }
 
 /// The dimension of a draw at a vertex.

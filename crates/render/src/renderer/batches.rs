@@ -21,7 +21,7 @@ const RUN_TARGET: Duration = Duration::from_millis(40);
 const RUN_LIMIT: Duration = Duration::from_millis(100);
 /// Places for each path in flight of batches that are to be over soon: before it is known how long they
 /// take, and where somebody looks on.
-pub(super) const FEW_PLACES: u32 = 8;
+pub(super) const FEW_PLACES: u32 = 4;
 /// Passes grow until they last so long: whoever waits for the end of one (a limit of time, Ctrl-C, several
 /// devices) is to wait no longer.
 const PASS_TARGET: Duration = Duration::from_millis(250);
