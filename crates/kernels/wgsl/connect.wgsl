@@ -18,7 +18,7 @@
 
 @compute @workgroup_size(SHADE_WORKGROUP)
 fn connect(@builtin(global_invocation_id) invocation: vec3<u32>) {
-    let n_joins = listed_joins();
+    let n_joins = atomicLoad(&counters[COUNT_JOINS]);
     let first = invocation_index(invocation) * joins_per_invocation();
     if (first >= n_joins) {
         return;

@@ -2,8 +2,8 @@
 // are left out that the sides of either surface, or the path's length, rule out: invocations of connect wait
 // for each other. On a CPU connect finds it out for itself, at no more cost.
 // One invocation: one queued path. Reads: scene, paths, queues, light_vertices, light_paths. Writes: joins; in
-// the path, how many are listed where there are more than CONNECTIONS_PER_BOUNCE, or than there is room for, so
-// that it waits for the rest (trace_closest and shade_camera leave it alone meanwhile).
+// the path, how many are listed where there are more than connections_per_bounce(), so that it waits for the
+// rest (trace_closest and shade_camera leave it alone meanwhile).
 
 #include "bindings/params.wgsl"
 #include "bindings/scene.wgsl"
@@ -34,54 +34,43 @@ fn list_joins(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if ((material_flags(surface.material) & MATERIAL_DELTA) != 0u) {
         return;
     }
-    let first = max(path.joined, 1u) - 1u;
-    let end = min(first + CONNECTIONS_PER_BOUNCE, n_joins);
-    var found: array<u32, CONNECTIONS_PER_BOUNCE>;
-    var numbers = 0u; // of those found, from `first` on, four bits each
+    let end = min(path.joined + connections_per_bounce(), n_joins);
+    var found: array<u32, CONNECTIONS_OF_RUNS>;
     var n_found = 0u;
     var linked = NONE;
     if (params.join == JOIN_FULL) {
-        linked = nth_from_end(light_path, first);
+        linked = nth_from_end(light_path, path.joined);
     }
-    for (var j = first; j < end; j += 1u) {
-        var slot_or_number = j;
-        var may = true;
-        if (candidate_count() == 1u) {
-            let slot = choose_slot(path, light_path, j, candidate_bits(path, j, 0u), linked);
-            if (slot == NONE) {
-                break;
-            }
-            if (params.join == JOIN_FULL) {
-                linked = load_light_vertex(slot).link;
-            }
-            slot_or_number = slot;
-            may = may_have(FEATURE_JOIN_RUNS) || may_join(path, surface, load_light_vertex(slot));
+    for (var j = path.joined; j < end; j += 1u) {
+        if (candidate_count() > 1u) {
+            found[n_found] = j;
+            n_found += 1u;
+            continue;
         }
-        if (may) {
-            found[n_found] = slot_or_number;
-            numbers |= (j - first) << (4u * n_found);
+        let slot = choose_slot(path, light_path, j, candidate_bits(path, j, 0u), linked);
+        if (slot == NONE) {
+            break;
+        }
+        if (params.join == JOIN_FULL) {
+            linked = load_light_vertex(slot).link;
+        }
+        if (may_have(FEATURE_JOIN_RUNS) || may_join(path, surface, load_light_vertex(slot))) {
+            found[n_found] = slot;
             n_found += 1u;
         }
     }
     // A GPU puts the atomics of invocations side by side together where all add the same: by powers of two.
     var listed = 0u;
-    for (var size = CONNECTIONS_PER_BOUNCE; size > 0u; size /= 2u) {
+    for (var size = connections_per_bounce(); size > 0u; size /= 2u) {
         if ((n_found & size) != 0u) {
             let at = atomicAdd(&counters[COUNT_JOINS], size);
-            let n = min(size, join_room() - min(at, join_room()));
-            for (var i = 0u; i < n; i += 1u) {
+            for (var i = 0u; i < size; i += 1u) {
                 store_join(at + i, ListedJoin(id, found[listed + i]));
             }
-            listed += n;
-            if (n < size) {
-                break;
-            }
+            listed += size;
         }
     }
-    var joined = select(0u, end + 1u, end < n_joins);
-    if (listed < n_found) {
-        joined = first + ((numbers >> (4u * listed)) & 15u) + 1u;
-    }
+    let joined = select(0u, end, end < n_joins);
     if (joined != 0u) {
         atomicAdd(&counters[COUNT_WAITING], 1u);
     }

@@ -12,5 +12,5 @@ fn plan_joins(@builtin(global_invocation_id) invocation: vec3<u32>) {
         return;
     }
     let run = joins_per_invocation(); // > 0
-    write_grid(ARGS_JOINS, (listed_joins() + run - 1u) / run, SHADE_WORKGROUP);
+    write_grid(ARGS_JOINS, (atomicLoad(&counters[COUNT_JOINS]) + run - 1u) / run, SHADE_WORKGROUP);
 }

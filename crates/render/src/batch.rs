@@ -35,7 +35,7 @@ pub struct LaneSize {
     /// Places that a batch fills them with, at most: whoever ends hands its slot on, so that there is
     /// one thin tail of bounces for all of them.
     pub n_places: u32,
-    /// Shadow rays in a bounce for each slot, at most.
+    /// Shadow rays that a slot may push in a bounce.
     pub n_shadow_rays: u32,
     /// Slots of light vertices before the appended ones.
     pub append_at: u32,
@@ -56,8 +56,7 @@ impl LaneSize {
         u64::from(self.shadow_capacity()) * u64::from(k::SHADOW_STRIDE) * VEC4
     }
 
-    /// Room for the joins listed in a bounce: for as many as shadow rays, but for one a path for the light that it
-    /// samples.
+    /// Room for the joins of a bounce: as many as shadow rays, but for the one of the light that is sampled.
     fn join_bytes(&self) -> u64 {
         u64::from(self.n_paths) * u64::from(self.n_shadow_rays - 1) * 8
     }

@@ -31,9 +31,6 @@ const BYTES_OF_VERTICES: f64 = 768.0;
 const BYTES_OF_WORDS: f64 = 128.0;
 /// Of a software GPU, which has no tail to speak of.
 const PLACES_OF_SOFTWARE: u32 = 4;
-/// Joins in a bounce that there is room for, for each path in flight, where there may be more. What finds none waits
-/// for the next bounce: few do, as only part of the paths are at a surface that faces much of their light path.
-const JOINS_OF_A_PATH: u32 = 4;
 /// Batches smaller than this are not tried on a device that is too small.
 const SMALLEST_BATCH: u32 = 4096;
 
@@ -77,8 +74,15 @@ impl Sizes {
         };
         loop {
             let n_places = n_paths * places_per_path;
-            let sizes =
-                Self::of([n_paths, n_places], settings, mean_light_vertices, n_light_paths, n_lanes, shared);
+            let lane = lane_size(
+                [n_paths, n_places],
+                device.kind,
+                settings,
+                mean_light_vertices,
+                n_light_paths,
+                n_lanes,
+            );
+            let sizes = Self::of(lane, settings, n_light_paths, n_lanes, shared);
             match sizes.plan.check(device) {
                 Ok(()) => return Ok(sizes),
                 Err(error) if n_paths <= SMALLEST_BATCH => return Err(error.into()),
@@ -88,15 +92,13 @@ impl Sizes {
     }
 
     fn of(
-        [n_paths, n_places]: [u32; 2],
+        lane: LaneSize,
         settings: &RenderSettings,
-        mean_light_vertices: f32,
         n_light_paths: u32,
         n_lanes: u32,
         shared: &MemoryPlan,
     ) -> Self {
         let uses_pool = settings.integrator.uses_pool();
-        let lane = lane_size([n_paths, n_places], settings, mean_light_vertices, n_light_paths, n_lanes);
         let pool = uses_pool.then(|| PoolSize {
             n_paths: n_light_paths,
             n_vertices: reserved_slots(settings, n_light_paths) + lane.append_capacity * n_lanes,
@@ -146,6 +148,7 @@ fn vertex_room(n_paths: u32, mean_light_vertices: f32) -> u32 {
 
 fn lane_size(
     [n_paths, n_places]: [u32; 2],
+    kind: DeviceKind,
     settings: &RenderSettings,
     mean_light_vertices: f32,
     n_light_paths: u32,
@@ -162,18 +165,22 @@ fn lane_size(
         _ => 2 * n_paths,
     };
     let append_at = if integrator.uses_pool() { 0 } else { reserved_slots(settings, n_places) };
-    LaneSize { n_paths, n_places, n_shadow_rays: shadow_rays(integrator), append_at, append_capacity }
+    LaneSize { n_paths, n_places, n_shadow_rays: shadow_rays(kind, integrator), append_at, append_capacity }
 }
 
-/// Shadow rays in a bounce, for each path in flight, at most: the joins that can be listed and a light sample, or
-/// the projections of two light vertices.
-fn shadow_rays(integrator: &IntegratorSettings) -> u32 {
+/// Shadow rays of a path in one bounce, at most: its joins and a light sample, or the projections of two
+/// light vertices.
+fn shadow_rays(kind: DeviceKind, integrator: &IntegratorSettings) -> u32 {
+    let joins = match kind {
+        DeviceKind::Cpu => k::CONNECTIONS_OF_RUNS,
+        DeviceKind::Gpu | DeviceKind::SoftwareGpu => k::CONNECTIONS_PER_BOUNCE,
+    };
     match integrator.joins() {
         None if integrator.uses_light_paths() => 2,
         None => 1,
         Some(Join::SingleStep) => 2,
-        Some(Join::KStep) => 1 + integrator.k.min(JOINS_OF_A_PATH),
-        Some(Join::Full) => 1 + JOINS_OF_A_PATH,
+        Some(Join::KStep) => 1 + integrator.k.min(joins),
+        Some(Join::Full) => 1 + joins,
     }
 }
 

@@ -2,15 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
 use midway_device::{Device, OpenOptions, open_device};
 use midway_film::Image;
-use midway_render::RenderSettings;
-use midway_scene::Scene;
 use midway_tests::{
     estimate::{checked_image, cpu, gpu, render, render_until, renderer},
     integrators, own,
-    shapes::{Shape, add, camera, diffuse},
 };
 
 use crate::support::{Report, in_turn, settings};
@@ -87,32 +83,6 @@ fn samples_one_by_one_are_the_samples_at_once() {
         report.note(&case.name(), bits(&checked_image(&slow)) == bits(&checked_image(&fast)));
     }
     report.finish();
-}
-
-/// A room so white that more joins are found than there is room for, where all samples are under way at once:
-/// those that wait are made all the same, and once. A GPU alone leaves some of a vertex's out between them, by
-/// the sides of surfaces and the length of the path.
-#[test]
-fn joins_that_find_no_room_on_a_gpu_are_made_later() {
-    const SIZE: usize = 64;
-    let _turn = in_turn();
-    let Some(gpu) = gpu() else { return };
-    let white = || diffuse(Vec3::splat(0.97), Vec3::ZERO);
-    let (lamp, walls) = Shape::cuboid(-Vec3::ONE, Vec3::ONE).inside_out().split(|triangle| triangle / 2 == 3);
-    let mut scene = Scene::default();
-    add(&mut scene, walls, white());
-    add(&mut scene, lamp, diffuse(Vec3::splat(0.97), Vec3::ONE));
-    scene.cameras.push(camera(Vec3::new(0.0, 0.0, 0.95), Vec3::ZERO, 80.0));
-    let settings =
-        RenderSettings { max_path_length: Some(14), ..settings(SIZE, integrators::full().settings, 5) };
-    let mut slow = renderer(&gpu, &scene, &settings);
-    for _ in 0..8 {
-        assert_eq!(slow.step(1).expect("renders"), 1);
-    }
-    let mut fast = renderer(&gpu, &scene, &settings);
-    assert_eq!(fast.step(8).expect("renders"), 8);
-    assert!(!checked_image(&fast).is_black());
-    assert!(bits(&checked_image(&slow)) == bits(&checked_image(&fast)));
 }
 
 #[test]

@@ -19,7 +19,6 @@ pub struct Mutant {
 const FACING_SQUARES: &str = "facing_squares";
 const LIT_SPHERE: &str = "a_closed_sphere_with_an_area_light";
 const LAMP_IN_GLASS: &str = "a_lamp_in_glass";
-const JOINS_WITHOUT_ROOM: &str = "joins_that_find_no_room";
 const IN_ROUGH_GLASS: &str = "a_camera_in_rough_glass";
 const FURNACES: &str = "a_white_furnace";
 const SMALL_POOL: &str = "a_pool_of_two_paths";
@@ -109,23 +108,9 @@ pub const MUTANTS: &[Mutant] = &[
         caught_by: LIT_SPHERE,
     },
     Mutant {
-        name: "joins-without-room-dropped",
+        name: "joins-beyond-four-dropped",
         file: "list_joins.wgsl",
-        find: "if (listed < n_found) {",
-        replace: "if (false) {",
-        caught_by: JOINS_WITHOUT_ROOM,
-    },
-    Mutant {
-        name: "waiting-joins-numbered-without-those-left-out",
-        file: "list_joins.wgsl",
-        find: "first + ((numbers >> (4u * listed)) & 15u) + 1u",
-        replace: "first + listed + 1u",
-        caught_by: JOINS_WITHOUT_ROOM,
-    },
-    Mutant {
-        name: "joins-beyond-eight-dropped",
-        file: "list_joins.wgsl",
-        find: "select(0u, end + 1u, end < n_joins)",
+        find: "select(0u, end, end < n_joins)",
         replace: "0u",
         caught_by: FURNACES,
     },

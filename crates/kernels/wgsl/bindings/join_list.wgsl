@@ -5,7 +5,8 @@
 const JOIN_RUN: u32 = 16u;
 
 /// Two words a join: the camera path, and the slot of the light vertex; where connect chooses that itself from
-/// candidates, the join's number. What finds no room waits for the next bounce.
+/// candidates, the join's number. Capacity is reserved: connections_per_bounce() a path and bounce, or K where
+/// that is less.
 @group(0) @binding(26) var<storage, read_write> joins: array<u32>;
 
 struct ListedJoin {
@@ -15,16 +16,6 @@ struct ListedJoin {
 
 fn joins_per_invocation() -> u32 {
     return select(1u, JOIN_RUN, may_have(FEATURE_JOIN_RUNS));
-}
-
-/// How many there is room for.
-fn join_room() -> u32 {
-    return arrayLength(&joins) / 2u;
-}
-
-/// How many are listed.
-fn listed_joins() -> u32 {
-    return min(atomicLoad(&counters[COUNT_JOINS]), join_room());
 }
 
 fn load_join(index: u32) -> ListedJoin {

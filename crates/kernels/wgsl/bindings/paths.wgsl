@@ -4,7 +4,7 @@
 /// vec4 per path.
 const PATH_STRIDE: u32 = 5u;
 
-/// Bits of the word of counts: 15 for the depth, one for parallel, 16 for `joined`.
+/// Bits of the word of counts: 15 for the depth, one for parallel, 16 for the joins made.
 const DEPTH_MASK: u32 = 0x7fffu;
 const PARALLEL_BIT: u32 = 0x8000u;
 
@@ -20,7 +20,8 @@ struct Path {
     direction: vec3<f32>,
     /// Surface vertices so far.
     depth: u32,
-    /// While joins of the vertex just hit wait to be listed, how many of them are, and one more; 0 otherwise.
+    /// Joins of the vertex just hit that are already listed, where it has more than connections_per_bounce(); 0
+    /// otherwise.
     joined: u32,
     /// The first segment of a subpath that starts with parallel rays, at an infinite light or a camera:
     /// the density of its end has no inverse square in it.

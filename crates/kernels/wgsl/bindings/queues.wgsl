@@ -22,7 +22,7 @@ const COUNT_NEXT: u32 = 8u;
 /// Paths pushed from the end, and how many of those that are read now are at the front.
 const COUNT_STARTED: u32 = 9u;
 const COUNT_FRONT: u32 = 10u;
-/// Joins found in this bounce; those that there was room for are listed.
+/// Joins listed in this bounce.
 const COUNT_JOINS: u32 = 11u;
 /// Bounces that had a path in the queue.
 const COUNT_BOUNCES: u32 = 12u;
