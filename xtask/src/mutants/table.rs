@@ -19,6 +19,7 @@ pub struct Mutant {
 const FACING_SQUARES: &str = "facing_squares";
 const LIT_SPHERE: &str = "a_closed_sphere_with_an_area_light";
 const LAMP_IN_GLASS: &str = "a_lamp_in_glass";
+const RAYS_COUNTED: &str = "one_kernel_counts_the_integrators_rays";
 const IN_ROUGH_GLASS: &str = "a_camera_in_rough_glass";
 const FURNACES: &str = "a_white_furnace";
 const SMALL_POOL: &str = "a_pool_of_two_paths";
@@ -184,6 +185,13 @@ pub const MUTANTS: &[Mutant] = &[
         find: "scattered.weight / survival;",
         replace: "scattered.weight;",
         caught_by: LIT_SPHERE,
+    },
+    Mutant {
+        name: "waiting-paths-counted-as-rays",
+        file: "plan_queue.wgsl",
+        find: "length - atomicLoad(&counters[COUNT_WAITING])",
+        replace: "length",
+        caught_by: RAYS_COUNTED,
     },
     Mutant {
         name: "roulette-divided-by-another-survival",
